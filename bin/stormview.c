@@ -6,7 +6,8 @@
 #include <unistd.h>
 
 static const char usage_text[] = "[-h] [-e EVENTS] [-m LINES] [-o PREFIX] [-s WxH] [-t TIMES]\n"
-                                 "                 GRID.vtk ... [SPEC] COMMAND [ARGUMENT ...]";
+                                 "                 GRID.vtk ... [SPEC] COMMAND [ARGUMENT ...]\n"
+                                 "       stormview ... SCENE.nff ... [VIEW] COMMAND [ARGUMENT ...]";
 
 int main(int argc, char **argv)
 {

@@ -86,6 +86,8 @@ look '0 drag 9 9;0 wheel -1;0 rest;0 png scene.png' -s 64x64 gears.nff
 is 'a scene: exit 0' "$status$err" 0
 { pack scene gears.nff; pack view said.spec; partition 64x64; } | fan -j 1 rtworker - | gather -o of.png
 ok 'a scene from another view' cmp scene.png of.png
+look '0 rest;0 png again.png' gears.nff said.spec
+ok 'a scene and a view' cmp scene.png again.png
 command='deal -q auto -e fan -j 2 vcworker'
 
 # ---- files and words -----------------------------------------------------------------------------------------
@@ -104,7 +106,7 @@ refused 2 '^usage: stormview ' a.vtk
 refused 2 '^usage: stormview ' deal fan vcworker
 refused 2 'cut.vtk:' -e rest cut.vtk deal fan vcworker
 refused 2 '^stormview: bad.spec:1: ' -e rest a.vtk bad.spec deal fan vcworker
-refused 2 'look.spec: is a second specification' -e rest a.vtk look.spec look.spec deal fan vcworker
+refused 2 'look.spec: is a second view' -e rest a.vtk look.spec look.spec deal fan vcworker
 refused 2 '^stormview: nothere: No such file.* expected' -e rest a.vtk nothere
 for line in 'x rest' '0 jump' '0 drag 1' '0 drag 1 2 3' '0 key nokey' '0 png' '-1 rest'; do
 	printf '%s\n' "$line" >events
@@ -122,13 +124,13 @@ run timeout 1200 stormview -e rest a.vtk look.spec sh -c 'echo frame 1 2; cat >/
 is 'a command that writes something else: exit 3' "$status" 3
 like 'a command that writes something else: the reason' "$err" '^stormview: from the command: '
 # A worker that ends within its first pixels, once.
-printf '%s\n' '#!/bin/sh' 'if mkdir once 2>/dev/null; then vcworker | head -c 4000; else exec vcworker; fi' >dies
+printf '%s\n' '#!/bin/sh' 'if mkdir once 2>/dev/null; then vcworker | dd bs=1 count=4000 2>/dev/null; else exec vcworker; fi' >dies
 chmod +x dies
 run patiently timeout 1200 stormview -e rest -t times a.vtk look.spec deal -q auto -e fan -j 2 ./dies
 is 'a worker that dies: the picture is whole' "$status $(value failed_pixels)" '0 0'
 
 for bytes in 20 300 5000; do
-	run timeout 1200 stormview -e rest a.vtk look.spec sh -c "deal fan -j 1 vcworker | head -c $bytes"
+	run timeout 1200 stormview -e rest a.vtk look.spec sh -c "deal fan -j 1 vcworker | dd bs=1 count=$bytes 2>/dev/null"
 	is "a stream that is cut after $bytes bytes: exit 3" "$status" 3
 done
 # The page has the controls of the help.

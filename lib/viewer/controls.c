@@ -96,8 +96,8 @@ static void step(const struct act *a)
 {
     struct subject *s = &a->v->subject;
     char err[ERR_BYTES];
-    const size_t n = s->job.grids, at = (s->at + n + (size_t)(a->x < 0 ? n - 1 : 1)) % n;
-    if (n == 1) viewer_say(a->v, "there is one grid");
+    const size_t n = s->job.subjects, at = (s->at + n + (size_t)(a->x < 0 ? n - 1 : 1)) % n;
+    if (n == 1) viewer_say(a->v, "there is one file");
     else if (!subject_step(s, at, err)) viewer_say(a->v, "%s", err);
     else {
         viewer_say(a->v, "%s", s->job.path[at]);
@@ -213,9 +213,9 @@ static const struct control {
     {NULL, NULL, WINDOW_KEY, '.', '.', shift, STEP, 0},
     {"[ ]", "move it far", WINDOW_KEY, '[', '[', shift, -STRIDE, 0},
     {NULL, NULL, WINDOW_KEY, ']', ']', shift, STRIDE, 0},
-    {"space, Page Down", "the next grid", WINDOW_KEY, ' ', ' ', step, 1, 0},
+    {"space, Page Down", "the next file", WINDOW_KEY, ' ', ' ', step, 1, 0},
     {NULL, NULL, WINDOW_KEY, WINDOW_PAGE_DOWN, WINDOW_PAGE_DOWN, step, 1, 0},
-    {"Page Up", "the grid before", WINDOW_KEY, WINDOW_PAGE_UP, WINDOW_PAGE_UP, step, -1, 0},
+    {"Page Up", "the file before", WINDOW_KEY, WINDOW_PAGE_UP, WINDOW_PAGE_UP, step, -1, 0},
     {"l", "light on, off", WINDOW_KEY, 'l', 'l', light, 0, 0},
     {"m", "map on, off", WINDOW_KEY, 'm', 'm', map, 0, 0},
     {"a", "axes and legend on, off", WINDOW_KEY, 'a', 'a', axes, 0, 0},
@@ -259,5 +259,6 @@ int controls_key(const char *name)
 void viewer_controls(struct buf *out)
 {
     for (size_t i = 0; i < CONTROLS; i++)
-        if (controls[i].input) buf_printf(out, "%s\t%s\n", controls[i].input, controls[i].does);
+        if (controls[i].input)
+            buf_printf(out, "%s%s: %s", i ? "\n" : "", controls[i].input, controls[i].does);
 }

@@ -20,7 +20,7 @@ static void find_range(struct subject *s)
     }
 }
 
-bool subject_step(struct subject *s, size_t at, char err[ERR_BYTES])
+static bool step_grid(struct subject *s, size_t at, char err[ERR_BYTES])
 {
     struct grid g;
     char shown[ERR_PATH], why[ERR_BYTES];
@@ -40,7 +40,7 @@ bool subject_step(struct subject *s, size_t at, char err[ERR_BYTES])
 static bool load_spec(struct subject *s, const struct viewer_options *o, char err[ERR_BYTES])
 {
     struct buf b = {0};
-    if (!s->job.starter) return spec_load(s->job.path[s->job.grids], &s->spec, err) == 0;
+    if (!s->job.starter) return spec_load(s->job.path[s->job.subjects], &s->spec, err) == 0;
     bool good =
         job_starter(*s->job.path, o->w, o->h, false, &b, err) &&
         spec_read(*s->job.path, (const char *)buf_data(&b), buf_size(&b), &s->spec, err) == 0;
@@ -50,11 +50,7 @@ static bool load_spec(struct subject *s, const struct viewer_options *o, char er
 
 static bool open_grids(struct subject *s, const struct viewer_options *o, char err[ERR_BYTES])
 {
-    char shown[ERR_PATH];
-    if (!s->job.starter && s->job.n > s->job.grids + 1)
-        return err_set(err, "%s: is a second specification, expected one",
-            err_path(shown, s->job.path[s->job.grids + 1]));
-    return load_spec(s, o, err) && subject_step(s, 0, err);
+    return load_spec(s, o, err) && step_grid(s, 0, err);
 }
 
 static void put_vec(double to[3], struct vec3 v) { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
@@ -68,20 +64,45 @@ static void take_view(struct subject *s, const struct view *v)
     s->hither = v->hither;
 }
 
-/* Only its view is kept. The command gets the file. */
-static bool open_scene(struct subject *s, char err[ERR_BYTES])
+/* Reads a scene of which only the view is kept: the command gets the file. */
+static bool step_scene(struct subject *s, size_t at, struct view *view, char err[ERR_BYTES])
 {
     struct buf b;
     struct scene scene;
-    const char *path = *s->job.path;
+    const char *path = s->job.path[at];
     if (!load_file(path, &b, err)) return false;
     const bool good = nff_read(path, (const char *)buf_data(&b), buf_size(&b), &scene, err) == 0;
     buf_free(&b);
     if (!good) return false;
-    take_view(s, &scene.view);
-    s->spec.w = scene.view.res_x, s->spec.h = scene.view.res_y;
+    *view = scene.view;
     scene_free(&scene);
-    s->scene = s->new_file = true;
+    s->at = at;
+    return s->scene = s->new_file = true;
+}
+
+bool subject_step(struct subject *s, size_t at, char err[ERR_BYTES])
+{
+    struct view view;
+    return s->scene ? step_scene(s, at, &view, err) : step_grid(s, at, err);
+}
+
+/* With the view of the scene, or of a file. */
+static bool open_scene(struct subject *s, char err[ERR_BYTES])
+{
+    struct buf b;
+    struct view view;
+    if (!step_scene(s, 0, &view, err)) return false;
+    take_view(s, &view);
+    s->spec.w = view.res_x, s->spec.h = view.res_y;
+    if (s->job.n == s->job.subjects) return true;
+    const char *path = s->job.path[s->job.subjects];
+    if (!load_file(path, &b, err)) return false;
+    const bool good =
+        nff_read_view(path, (const char *)buf_data(&b), buf_size(&b), &view, err) == 0;
+    buf_free(&b);
+    if (!good) return false;
+    take_view(s, &view);
+    if (view.res_x) s->spec.w = view.res_x, s->spec.h = view.res_y;
     return true;
 }
 
@@ -92,6 +113,9 @@ bool subject_open(struct subject *s, const struct viewer_options *o, char err[ER
     if (s->job.what == JOB_POV)
         return err_set(err, "%s: is a scene of POV-Ray, expected grids or an NFF scene",
             err_path(shown, *o->files));
+    if (!s->job.starter && s->job.n > s->job.subjects + 1)
+        return err_set(err, "%s: is a second view, expected one",
+            err_path(shown, s->job.path[s->job.subjects + 1]));
     if (!(s->job.what == JOB_GRIDS ? open_grids(s, o, err) : open_scene(s, err))) return false;
     if (o->w) s->spec.w = o->w, s->spec.h = o->h;
     s->home = subject_camera(s);

@@ -22,7 +22,7 @@ struct viewer_options {
 size_t viewer_inputs(char *const *words);
 /* Runs to the end, and prints the specification on standard output. Returns the exit status. */
 int viewer_run(const struct viewer_options *o);
-/* Appends what the controls are, a line each: keys, a tab, and what they do. */
+/* Appends what the controls are, lines of keys and what they do. */
 void viewer_controls(struct buf *out);
 
 #endif

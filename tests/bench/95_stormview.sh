@@ -25,7 +25,7 @@ view() {
 }
 # value NAME
 value() { awk -v name="$1" '$1 == name { print $2; found = 1 } END { if (!found) print "-" }' times; }
-rules=$(sed -n 's/.*\(deal -q auto -e\) fan.*/\1/p' "$root/bin/view.sh")
+rules=$(sed -n 's/.*\(deal -.*\) fan.*/\1/p' "$root/bin/view.sh")
 [ -n "$rules" ] || stop 'bin/view.sh has no rules'
 echo '| where | views | coarse ms | p95 | whole ms | too late |'
 echo '| --- | ---: | ---: | ---: | ---: | ---: |'
