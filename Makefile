@@ -73,7 +73,7 @@ FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
                -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=pointer-overflow
 
-# Four programs need a library each: where it is missing, the others are built, and make says so.
+# Five programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
@@ -88,6 +88,7 @@ FLAGS_paint/paint = $(PANGO)
 FLAGS_paint/text  = $(PANGO)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
+LIBS_stormview = -lSDL2 $(LIBS_paint)
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
 LIBS_cropworker = $(LIBS_pack)
 LIBS_fuzz_files = $(LIBS_pack)
@@ -96,6 +97,7 @@ lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh) \
+           $(call lacks,SDL2/SDL.h,stormview:libsdl2-dev:window) \
            $(call lacks,pango/pangocairo.h $(PANGO),stormview:libpango1.0-dev:paint)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)

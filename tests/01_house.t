@@ -39,6 +39,8 @@ units base
 convert units grid image base
 backdrop units grid spec geometry image base
 paint backdrop units spec grid geometry base os
+look geometry task base
+window base
 sched task patience base
 sim sched stats task patience base
 proc base os
@@ -55,6 +57,7 @@ account history wire task stats base
 view html account history log eta wire image task stats base os
 verify log wire task base
 drive sched pipe proc wire task patience base
+viewer look window paint backdrop volume pipe proc job wire scene spec grid geometry image task patience base
 END
 
 awk '
@@ -89,6 +92,7 @@ sched blame cost deal gdc hub node pace pieces policy set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh crossings items light media pending sah slabs tracer wave
+viewer command controls events show subject times
 volume cell crossing cubic ground lit map path skip_init slice walk
 wire generation rec
 END
@@ -243,7 +247,7 @@ beyond="$beyond|reallocarray|sched_[gs]etaffinity|signalfd|sigaltstack|sincos|sp
 beyond="$beyond|strverscmp|syscall|timegm|timerfd_[a-z]+|usleep|wait[34]|le(16|32|64)toh|htole(16|32|64)"
 headers='arpa/inet|ctype|dirent|errno|fcntl|float|inttypes|limits|math|poll|pthread|setjmp|signal|std(arg|bool|def|int|io|lib)'
 headers="$headers|strings?|sys/(mman|resource|stat|statvfs|time|types|uio|utsname|wait)|time|unistd"
-headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|immintrin|cpuid|cmocka"
+headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|SDL2/SDL|immintrin|cpuid|cmocka"
 # shellcheck disable=SC2046,SC2086
 {
 	ours="$(printf '%s\n' $lib | grep -vE '^lib/(os/linux|crop/confine)\.c$') $(echo bin/*.c)"

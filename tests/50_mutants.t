@@ -101,7 +101,7 @@ run listed wrong
 is 'a line that is not part of a row is found' "$status $out" '1 1:@name lib/sched/gdc_master.c'
 # Tests of single functions, which say it in cmocka's words.
 sign='[[]  FAILED  []]'
-for test in clock loads wire eta fan pace powers drain worker forks store crop view nff_parts image png assembly hosts hosts_job keep send verify job poison; do family $test; done
+for test in clock loads wire eta fan pace powers drain worker forks store crop view look nff_parts image png assembly hosts hosts_job keep send verify job poison; do family $test; done
 if there /usr/include/zstd.h; then family packing
 else skip 'test_packing finds its mutants' 'libzstd is not there'
 fi

@@ -117,6 +117,17 @@ int image_save_rows(const char *path, const struct image_rows *rows, enum image_
 uint8_t srgb_encode8(float linear);
 float srgb_decode8(uint8_t v);
 
+/*
+ * Pixels for a screen, 0xffRRGGBB each (screen.c). Opaque pixels are those of an 8 bit PNG; others
+ * are put over `back`, in linear light, or over black if it is NULL. image_screen_new never returns
+ * NULL.
+ */
+struct image_screen;
+struct image_screen *image_screen_new(void);
+void image_screen_free(struct image_screen *s);
+void image_screen_row(const struct image_screen *s, const float *rgba, const uint32_t *back,
+    uint32_t n, uint32_t *out);
+
 struct image_diff {
     double rmse;               /* over R, G, B, clamped to [0,1], linear */
     double rmse_kept;          /* the same without the worst `drop` fraction of pixels */

@@ -33,6 +33,8 @@ static const struct {
             0x1f9f88, 0x28ae80, 0x3ebc74, 0x5dc963, 0x82d34c, 0xabdc32, 0xd5e21a, 0xfde725}},
 };
 
+const char *const spec_palettes[SPEC_N_PALETTES] = {"batlow", "grey", "magma", "vik", "viridis"};
+
 /* x^(1/5) for x in [.001, 1] by Newton's method: pow may differ in the last bit between hosts. */
 static double fifth_root(double x)
 {

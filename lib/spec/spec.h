@@ -50,6 +50,8 @@ struct spec {
  */
 #define SPEC_PALETTE_POINTS 17
 #define SPEC_PALETTES "batlow, grey, magma, vik or viridis" /* for messages */
+#define SPEC_N_PALETTES 5
+extern const char *const spec_palettes[SPEC_N_PALETTES];
 /* The palette with this name of n characters. False if there is none. */
 bool spec_palette(const char *name, size_t n, double rgb[SPEC_PALETTE_POINTS][3]);
 /* The colour at a place in [0, 1]. */
@@ -74,5 +76,11 @@ int spec_read(const char *name, const char *text, size_t n, struct spec *s, char
 /* Reads a file; "-": standard input. */
 int spec_load(const char *path, struct spec *s, char err[ERR_BYTES]);
 void spec_free(struct spec *s);
+/* Appends it as text, which spec_read reads with the same numbers. (write.c) */
+void spec_write(const struct spec *s, struct buf *out);
+/* The same in colours of this palette: those of the map, or of the second field, and those of the
+ * ground. They have the places that they had in their palette, or else places by value. Surfaces
+ * keep their colours. */
+void spec_write_in(const struct spec *s, const char *palette, struct buf *out);
 
 #endif

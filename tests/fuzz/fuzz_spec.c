@@ -58,6 +58,22 @@ static void check_spec(const struct spec *s)
     for (int a = 0; s->clipped && a < 3; a++) MUST(s->clip[a][0] < s->clip[a][1]);
 }
 
+/* What is written reads back, and is written again with the same bytes. */
+static void check_written(const struct spec *s)
+{
+    struct spec back;
+    struct buf once = {0}, twice = {0};
+    char err[ERR_BYTES];
+    spec_write(s, &once);
+    MUST(spec_read("fuzz", (const char *)buf_data(&once), buf_size(&once), &back, err) == 0);
+    spec_write(&back, &twice);
+    MUST(buf_size(&once) == buf_size(&twice));
+    MUST(memcmp(buf_data(&once), buf_data(&twice), buf_size(&once)) == 0);
+    spec_free(&back);
+    buf_free(&once);
+    buf_free(&twice);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct spec s;
@@ -73,6 +89,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     check_spec(&s);
+    check_written(&s);
     spec_free(&s);
     return 0;
 }

@@ -273,6 +273,98 @@ static void test_truncated(void **state)
     assert_int_equal(read_bytes("angle 4\0", 8, &s, err), -1);
 }
 
+/* Bit by bit. */
+static bool same_bits(const void *a, const void *b, size_t n)
+{
+    return n == 0 || memcmp(a, b, n) == 0;
+}
+
+static bool same_slices(const struct spec *a, const struct spec *b)
+{
+    for (size_t i = 0; i < a->n_slices; i++)
+        if (a->slice[i].axis != b->slice[i].axis || a->slice[i].at != b->slice[i].at ||
+            a->slice[i].opacity != b->slice[i].opacity)
+            return false;
+    return a->n_slices == b->n_slices;
+}
+
+static bool same_spec(const struct spec *a, const struct spec *b)
+{
+    return same_bits(a->from, b->from, sizeof a->from) && same_bits(a->at, b->at, sizeof a->at) &&
+           same_bits(a->up, b->up, sizeof a->up) && a->angle == b->angle && a->w == b->w &&
+           a->h == b->h && a->lit == b->lit && same_bits(a->light, b->light, sizeof a->light) &&
+           a->attenuation == b->attenuation && same_bits(a->scale, b->scale, sizeof a->scale) &&
+           a->opacity_limit == b->opacity_limit && a->backed == b->backed &&
+           same_bits(a->background, b->background, sizeof a->background) &&
+           a->n_knots == b->n_knots && a->n_isos == b->n_isos && same_slices(a, b) &&
+           a->n_colours == b->n_colours && a->n_grounds == b->n_grounds &&
+           a->clipped == b->clipped && same_bits(a->knot, b->knot, a->n_knots * sizeof *a->knot) &&
+           same_bits(a->iso, b->iso, a->n_isos * sizeof *a->iso) &&
+           same_bits(a->colour, b->colour, a->n_colours * sizeof *a->colour) &&
+           same_bits(a->ground, b->ground, a->n_grounds * sizeof *a->ground) &&
+           same_bits(a->clip, b->clip, sizeof a->clip);
+}
+
+static void test_written(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {VIEW MAP,
+        "from 1e-17 -5.000000000000001 2\nat 1 2 3\nup .1 .2 .3\nangle 1e-6\nresolution 1 65535\n"
+        "light -1 .3 3\nattenuation .001\nscale 1 -.0010000000000000002 1e9\nlimit 1\n"
+        "background .02 .3 0\nclip -1 -2 -3 1 2 3.3\npalette vik\nmap 1 .1 .3\nmap 1 .4 .3\n"
+        "map 7 .9 0\ncolour 1 0\ncolour 2 1\nground 0 .3\nground 5 .6\niso 3 .2 .5\n"
+        "iso 1 9 9 9 .1\nslice z 1 .5\nslice x -.1 1\n",
+        VIEW "ground 1 1 1 1\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct spec s = parse(texts[i]);
+        struct buf b = {0};
+        spec_write(&s, &b);
+        buf_append(&b, "", 1);
+        struct spec back = parse((const char *)buf_data(&b));
+        assert_true(same_spec(&s, &back));
+        spec_free(&s);
+        spec_free(&back);
+        buf_free(&b);
+    }
+}
+
+static struct spec recoloured(const struct spec *s, const char *palette)
+{
+    struct buf b = {0};
+    spec_write_in(s, palette, &b);
+    buf_append(&b, "", 1);
+    const struct spec to = parse((const char *)buf_data(&b));
+    buf_free(&b);
+    return to;
+}
+
+/* The colours of another palette have the places of the old one, or else places by value. */
+static void test_recoloured(void **state)
+{
+    (void)state;
+    double vik[SPEC_PALETTE_POINTS][3], rgb[3];
+    assert_true(spec_palette("vik", 3, vik));
+    struct spec s = parse(VIEW "palette magma\nmap 1 .25 .5\nmap 1 .5 .5\nmap 9 1 0\niso 3 .5 1\n");
+    struct spec to = recoloured(&s, "vik"), back = recoloured(&to, "magma");
+    assert_true(to.n_knots == s.n_knots && back.n_knots == s.n_knots);
+    spec_palette_at((const double(*)[3])vik, .25, rgb);
+    for (int c = 0; c < 3; c++) assert_true(fabs(to.knot[0].rgb[c] - rgb[c]) < 1e-9);
+    spec_palette_at((const double(*)[3])vik, .5, rgb);
+    for (int c = 0; c < 3; c++) assert_true(fabs(to.knot[1].rgb[c] - rgb[c]) < 1e-9);
+    for (size_t i = 0; i < s.n_knots; i++) {
+        assert_true(fabs(back.knot[i].s - s.knot[i].s) < 1e-9 && to.knot[i].k == s.knot[i].k);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(back.knot[i].rgb[c] - s.knot[i].rgb[c]) < 1e-9);
+    }
+    assert_memory_equal(to.iso, s.iso, sizeof *s.iso);
+    spec_free(&s), spec_free(&to), spec_free(&back);
+    s = parse(VIEW "map 1 .1 .2 .3 1\nmap 2 .5 .5 .7 2\nmap 3 1 1 1 0\n");
+    to = recoloured(&s, "vik");
+    assert_true(to.n_knots == SPEC_PALETTE_POINTS && to.knot[8].s == 2 && to.knot[8].k == 2);
+    assert_memory_equal(to.knot[8].rgb, vik[8], sizeof vik[8]);
+    spec_free(&s), spec_free(&to);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -283,6 +375,8 @@ int main(void)
         cmocka_unit_test(test_many),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_written),
+        cmocka_unit_test(test_recoloured),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
