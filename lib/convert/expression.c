@@ -16,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define EXPECTED "expected a variable, or NAME=EXPRESSION"
+
 struct parser {
     const char *at;
     struct convert_request *r;
@@ -78,7 +80,10 @@ static bool add_variable(struct parser *p, size_t n)
     return add(p, (struct convert_step){CONVERT_VARIABLE, i, 0});
 }
 
-static bool in_name(char c) { return isalnum((unsigned char)c) || strchr("_./:@", c) || c < 0; }
+static bool in_name(char c)
+{
+    return isalnum((unsigned char)c) || (c && strchr("_./:@", c)) || (unsigned char)c >= 0x80;
+}
 
 /* The bytes of a name: the longest one that is known, so that 10u and grp/U are names, and a
  * known a before /b is a name too. Without any, that of the letters up to an operator. */
@@ -190,19 +195,19 @@ bool convert_request_parse(const char *text, convert_known *known, void *ctx,
     struct parser p = {equals ? equals + 1 : text, r, known, ctx, err, 0};
     *r = (struct convert_request){.n = 0};
     *err = '\0';
-    skip_blanks(&p);
-    if (!equals || known(ctx, text)) {
-        const char *slash = strrchr(text, '/');
-        p.at = text + strspn(text, " ");
-        size_t n = strlen(p.at);
-        while (n && p.at[n - 1] == ' ') n--;
-        set_name(r, slash ? slash + 1 : text, strlen(slash ? slash + 1 : text));
-        return n && strcspn(p.at, "(") == strlen(p.at)
-                   ? add_variable(&p, n)
-                   : err_set(err, "expected a variable, or NAME=EXPRESSION");
+    const char *begin = text + strspn(text, " ");
+    const bool call_alone = strncmp(begin, "hypot(", 6) == 0 || strncmp(begin, "sqrt(", 5) == 0;
+    if ((!equals && !call_alone) || known(ctx, text)) {
+        const char *slash = strrchr(begin, '/');
+        size_t n = strlen(begin);
+        while (n && begin[n - 1] == ' ') n--;
+        set_name(r, slash ? slash + 1 : begin, strlen(slash ? slash + 1 : begin));
+        p.at = begin;
+        return n ? add_variable(&p, n) : err_set(err, EXPECTED);
     }
+    if (!equals) return err_set(err, EXPECTED);
     set_name(r, text, (size_t)(equals - text));
-    if (!r->name[0]) return err_set(err, "expected a variable, or NAME=EXPRESSION");
+    if (!r->name[0]) return err_set(err, EXPECTED);
     if (!sum(&p)) return false;
     skip_blanks(&p);
     if (*p.at) return fail(&p, "an operator");
