@@ -85,6 +85,13 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
     return CF_NONE;
 }
 
+bool cf_is_other(const struct cf_axis *a)
+{
+    bool other;
+    kind_by_name(a->name, &other);
+    return a->member || other;
+}
+
 /* Finds the coordinate variable of a dimension: the variable of the same name along it, in the
  * group or an enclosing one. */
 static bool find_coordinates(int group, int dim, const char *name, int *in, int *id)
@@ -237,13 +244,14 @@ bool cf_axis_is_longitude(const struct cf_axis *a)
     return a->kind == CF_X && (!a->units[0] || strncasecmp(a->units, "degree", 6) == 0);
 }
 
-/* Makes the longitudes ascend, or descend, by whole circles. False unless they are one at most. */
+/* Makes the longitudes ascend, or descend, by whole circles, where they jump by more than half of
+ * one. False unless they are one circle at most. */
 static bool unwrap(const double *at, double *to, size_t n, double sign)
 {
     double turned = 0;
     to[0] = at[0];
     for (size_t i = 1; i < n; i++) {
-        if (!(sign * (at[i] + turned - to[i - 1]) > 0)) turned += 360 * sign;
+        if (sign * (at[i] - at[i - 1]) < -180) turned += 360 * sign;
         to[i] = at[i] + turned;
         if (!(sign * (to[i] - to[i - 1]) > 0)) return false;
     }

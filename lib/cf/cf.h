@@ -89,7 +89,7 @@ void cf_field_free(struct cf_field *f);
 const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind);
 /* True if x is periodic after 360: its units are degrees, or it has none. */
 bool cf_axis_is_longitude(const struct cf_axis *a);
-/* The members of a field: elements of the dimension of which all were chosen; 1 if there is none. */
+/* The members of a field: elements of the dimension of which all were chosen; 1: there is none. */
 size_t cf_members(const struct cf_field *f);
 /* True if levels without a unit have the usual numbers of pressures in hPa. */
 bool cf_looks_like_hectopascals(const struct cf_axis *z);

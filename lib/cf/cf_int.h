@@ -40,6 +40,8 @@ double cf_in_pascals(const char *unit);
  * choose from. */
 bool cf_choices(
     struct cf_file *c, const struct cf_field *f, const struct cf_axis *a, char err[ERR_BYTES]);
+/* True if the name of the axis, or its standard name, says that it is none of them. */
+bool cf_is_other(const struct cf_axis *a);
 /* Marks the axes of which the caller has chosen an element. False with a message in err if that is
  * not there. */
 bool cf_choose(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);
@@ -55,7 +57,8 @@ bool cf_sea_levels(
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES]);
 /*
  * Assigns kinds to axes that have none: first by name, then the remaining kinds in the order that
- * CF recommends: t z y x. Axes with one element, or a chosen one, stay CF_NONE, and become it beside a longer one of
+ * CF recommends: t z y x. Axes with one element, or a chosen one, stay CF_NONE, and become it beside
+ * a longer one of
  * their kind. False with the reason in err unless x, y and z each occur once.
  */
 bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);

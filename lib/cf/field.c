@@ -19,15 +19,16 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
     const char *name = NULL;
     while (!name && (word = text_part(&rest, ' ')) != NULL) {
         int id, n, dims[NC_MAX_VAR_DIMS];
+        nc_type type;
         char units[CF_TEXT];
         if (!*word || nc_inq_varid(f->group, word, &id) != NC_NOERR ||
-            nc_inq_var(f->group, id, NULL, NULL, &n, dims, NULL) != NC_NOERR || n < 1)
+            nc_inq_var(f->group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 1)
             continue;
         cf_text(c, f->group, id, "units", units);
+        if (n > 1 && type != NC_CHAR) *what = "a curvilinear grid";
         if (strncasecmp(units, "deg", 3) != 0 && strncasecmp(units, "rad", 3) != 0) continue;
-        *what = n > 1 ? "a curvilinear grid" : "an unstructured grid";
         if (n > 1) name = "remapbil";
-        else if (dims[0] == first) name = "remapnn";
+        else if (dims[0] == first) name = "remapnn", *what = "an unstructured grid";
         first = dims[0];
     }
     free(names);
@@ -40,7 +41,7 @@ static bool refuse_axis(
 {
     const char *what = "no rectilinear grid", *operator= remapping(c, f, &what);
     err_set(err, "%s: there are no coordinates along %.60s, expected them along each axis%s%s%s",
-        operator? what : "no rectilinear grid", a->name, operator? ", as cdo " : "",
+        what, a->name, operator? ", as cdo " : "",
         operator? operator: "", operator? ",GRID IN OUT writes; nc2vtk(1) has a GRID" : "");
     return false;
 }
@@ -63,7 +64,9 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->at || a->kind == CF_T || a->n == 1 || a->chosen) continue;
-        return refuse_axis(c, f, a, err);
+        const bool rest =
+            cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y) && (cf_axis_of(f, CF_Z) || cf_is_other(a));
+        return rest ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
     }
     if (!cf_tell_axes_apart(c, f, err)) return false;
     for (int i = 0; i < f->n_axes; i++) {

@@ -105,10 +105,17 @@ static size_t name_length(const struct parser *p)
 
 static bool number(struct parser *p)
 {
-    char *end;
-    const double v = strtod(p->at, &end);
-    if (end == p->at || !isfinite(v)) return fail(p, "a number or a variable");
-    if (in_name(*end) && *end != '/') return fail(p, "a variable of the file");
+    char text[32] = "";
+    double v;
+    size_t n = strspn(p->at, "0123456789.");
+    const char *e = p->at + n;
+    if (n && (*e == 'e' || *e == 'E')) {
+        const size_t sign = e[1] == '-' || e[1] == '+', digits = strspn(e + 1 + sign, "0123456789");
+        n += digits ? 1 + sign + digits : 0;
+    }
+    if (n && n < sizeof text) memcpy(text, p->at, n);
+    if (!parse_real(text, -GRID_MAX, GRID_MAX, &v)) return fail(p, "a number or a variable");
+    const char *end = p->at + n;
     p->at = end;
     return add(p, (struct convert_step){CONVERT_NUMBER, 0, v});
 }

@@ -7,8 +7,8 @@
  * converted.
  *
  * Call order: gb_index_read; gb_stack_at to list the contents, gb_stack_check to find stacks that
- * cannot be read; gb_member; gb_axes; gb_values for each time. Functions that can fail return false with a
- * message in err. A caller must link ecCodes.
+ * cannot be read; gb_member; gb_axes; gb_values for each time. Functions that can fail return false
+ * with a message in err. A caller must link ecCodes.
  */
 #ifndef STORMRING_GRIB_H
 #define STORMRING_GRIB_H

@@ -1,68 +1,8 @@
-/* index: iterates over messages and builds the index of a file. */
+/* index: builds the index of a file. */
 #include "grib/grib_int.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- messages ------------------------------------------------------------------------------- */
-
-static void say_nothing(const codes_context *c, int level, const char *text)
-{
-    (void)c, (void)level, (void)text; /* errors are returned as a status */
-}
-
-bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES])
-{
-    *in = (struct gb_file){.f = fopen(path, "re")};
-    if (!in->f) return err_set(err, "%s", strerror(errno));
-    codes_context_set_logging_proc(codes_context_get_default(), say_nothing);
-    codes_grib_multi_support_on(NULL);
-    codes_grib_multi_support_reset_file(NULL, in->f);
-    return true;
-}
-
-bool gb_next(struct gb_file *in, char err[ERR_BYTES])
-{
-    int status = 0;
-    if (in->h) {
-        codes_handle_delete(in->h);
-        in->number++;
-    }
-    in->h = codes_grib_handle_new_from_file(NULL, in->f, &status);
-    if (!status) return true;
-    if (in->h) codes_handle_delete(in->h);
-    in->h = NULL;
-    return err_set(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
-}
-
-void gb_close(struct gb_file *in)
-{
-    if (in->h) codes_handle_delete(in->h);
-    fclose(in->f);
-}
-
-void gb_text(const codes_handle *h, const char *key, char *out, size_t room)
-{
-    char text[256] = "";
-    size_t n = sizeof text;
-    if (codes_get_string(h, key, text, &n) != CODES_SUCCESS) text[0] = '\0';
-    snprintf(out, room, "%.255s", text);
-    for (char *c = out; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
-}
-
-long gb_long(const codes_handle *h, const char *key)
-{
-    long v = 0;
-    return codes_get_long(h, key, &v) == CODES_SUCCESS ? v : 0;
-}
-
-double gb_real(const codes_handle *h, const char *key)
-{
-    double v = 0;
-    return codes_get_double(h, key, &v) == CODES_SUCCESS ? v : (double)NAN;
-}
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
@@ -215,8 +155,8 @@ static bool is_rectilinear(const char *kind)
     return false;
 }
 
-/* A grid that is not rectilinear, and the operator of the Climate Data Operators that makes it so, if
- * there is one. */
+/* Names the type of a grid that is not rectilinear, and the operator of the Climate Data Operators
+ * that makes it so, if there is one. */
 static bool refuse_grid(const struct gb_entry *e, char err[ERR_BYTES])
 {
     const char *kind = e->kind[0] ? e->kind : "unknown";

@@ -23,8 +23,8 @@ static void test_atmosphere(void **state)
     assert_true(isfinite(convert_standard_height(1e-300)));
 }
 
-/* The check value of the algorithm's report; and those of TEOS-10 (gsw.z_from_p 3.6 of Debian), which
- * differ by the properties of sea water. */
+/* The check value of the algorithm's report; and depths of TEOS-10 (gsw.z_from_p of Debian's
+ * python3-gsw 3.6), which differ by the properties of sea water. */
 static void test_sea(void **state)
 {
     (void)state;
