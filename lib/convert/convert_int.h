@@ -9,8 +9,8 @@ struct convert_roll {
     uint32_t first;  /* the column that becomes the first one */
     uint32_t period; /* columns of the circle: without the last one if that is the first again */
 };
-/* Moves the longitudes of a globe so that they begin at o->from or the first one after it. A grid of
- * a part of the globe moves by whole circles. Dies if x is no longitude. */
+/* Moves the longitudes of a globe so that they begin at o->from or the first one after it. A grid
+ * of a part of the globe moves by whole circles. Dies if x is no longitude. */
 struct convert_roll convert_find_roll(
     const struct convert_options *o, const struct converter *c, struct grid *g);
 /* Moves the values of each row likewise. */
