@@ -57,8 +57,8 @@ bool cf_sea_levels(
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES]);
 /*
  * Assigns kinds to axes that have none: first by name, then the remaining kinds in the order that
- * CF recommends: t z y x. Axes with one element, or a chosen one, stay CF_NONE, and become it
- * beside a longer one of their kind. False with the reason in err unless x, y and z each occur once.
+ * CF recommends: t z y x. Axes with one element, or a chosen one, stay CF_NONE; one beside a longer
+ * axis of its kind becomes that. False with the reason in err unless x, y and z each occur once.
  */
 bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);
 /* Adds and takes away whole circles, so that longitudes that cross the end of their range, such as
