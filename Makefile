@@ -79,6 +79,7 @@ LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_test_heights = $(LIBS_units)
+LIBS_test_expression = $(LIBS_units)
 LIBS_test_backdrop = $(LIBS_units)
 # Of paint, which only stormview has.
 LIBS_paint    = $(shell pkg-config --libs pangocairo 2>/dev/null) $(LIBS_units)

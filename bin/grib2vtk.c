@@ -7,27 +7,50 @@
 #include <unistd.h>
 
 static const char usage_text[] =
-    "[-chz] [-L LEVELS] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.grb VARIABLE\n"
-    "       grib2vtk -l FILE.grb";
+    "[-chzZ] [-L LEVELS] [-o FILE] [-r LONGITUDE] [-t INDEX|all] [-u UNIT]\n"
+    "                [-w KEY=VALUE,...] FILE.grb VARIABLE|NAME=EXPRESSION\n"
+    "       grib2vtk -l [-w KEY=VALUE,...] FILE.grb";
+
+#define WHERE_MOST 16
 
 struct options {
     struct convert_options common;
-    const char *levels; /* -L: type of level; NULL: the type with the most levels */
+    const char *levels;                /* -L: type of level; NULL: the type with the most levels */
+    struct gb_where where[WHERE_MOST]; /* -w */
+    size_t n_where;
+    enum convert_over over; /* of the messages of one of its keys */
 };
 
-/* The variables of a request: one, or two of a derived one. */
+/* The variables of a request. */
 struct source {
     const struct convert_options *o;
     struct convert_request request;
-    struct gb_stack part[2];
+    struct gb_stack part[CONVERT_PARTS];
     struct gb_heights heights; /* with -z */
 };
+
+/* -w number=3,stepType=avg */
+static void choose(struct options *o, char *text)
+{
+    for (char *word, *rest = text; (word = text_part(&rest, ',')) != NULL;) {
+        char *equals = strchr(word, '=');
+        if (o->n_where == WHERE_MOST) die(ST_USAGE, "-w: expected %d keys at most", WHERE_MOST);
+        if (!equals || equals == word || !equals[1])
+            die(ST_USAGE, "-w %s: expected KEY=VALUE, KEY=mean or KEY=spread", word);
+        *equals = '\0';
+        const enum convert_over over = convert_over_of(equals + 1);
+        if (over && o->over) die(ST_USAGE, "-w %s: expected mean or spread once", word);
+        if (over) o->over = over;
+        o->where[o->n_where++] = (struct gb_where){word, equals + 1, over != CONVERT_ONE};
+    }
+}
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.levels = NULL};
-    for (int c; (c = prog_getopt(argc, argv, "chL:lo:t:u:z")) != -1;)
+    for (int c; (c = prog_getopt(argc, argv, "chL:lo:r:t:u:w:zZ")) != -1;)
         if (c == 'L') o.levels = opt_text(c, optarg);
+        else if (c == 'w') choose(&o, optarg);
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
     return o;
@@ -37,7 +60,7 @@ static struct options parse(int argc, char **argv)
 
 /* Finds the variable at the requested type of level, or at the type with the most levels. */
 static struct gb_stack find_stack(
-    const struct gb_index *x, const struct options *o, const char *name, int n)
+    const struct gb_index *x, const struct options *o, const char *name)
 {
     struct gb_stack best = {.n = 0};
     char err[ERR_BYTES];
@@ -45,7 +68,7 @@ static struct gb_stack find_stack(
     for (size_t i = 0; i < x->n;) {
         struct gb_stack s = gb_stack_at(x, i);
         i += s.n;
-        if (strncmp(s.at->name, name, (size_t)n) != 0 || s.at->name[n]) continue;
+        if (strcmp(s.at->name, name) != 0) continue;
         if (o->levels && strcmp(s.at->levels, o->levels) != 0) continue;
         if (best.n && s.n_levels == best.n_levels) tie = true;
         if (best.n && s.n_levels <= best.n_levels) continue;
@@ -53,26 +76,39 @@ static struct gb_stack find_stack(
         tie = false;
     }
     if (!best.n)
-        die(ST_USAGE, "%s: no %.*s%s%s, expected one that -l lists", o->common.file, n, name,
+        die(ST_USAGE, "%s: no %s%s%s, expected one that -l lists", o->common.file, name,
             o->levels ? " at levels of type " : "", o->levels ? o->levels : "");
     if (tie)
-        die(ST_USAGE, "%s: %.*s has levels of several types, such as %s, expected -L",
-            o->common.file, n, name, best.at->levels);
-    if (!gb_stack_check(&best, err)) die(ST_USAGE, "%s: %.*s: %s", o->common.file, n, name, err);
+        die(ST_USAGE, "%s: %s has levels of several types, such as %s, expected -L", o->common.file,
+            name, best.at->levels);
+    if (!gb_stack_check(&best, err)) die(ST_USAGE, "%s: %s: %s", o->common.file, name, err);
     return best;
 }
 
-static struct source find(const struct gb_index *x, const struct options *o)
+static bool known(void *ctx, const char *name)
 {
-    const char *file = o->common.file, *what = o->common.what;
+    const struct gb_index *x = ctx;
+    for (size_t i = 0; i < x->n; i++)
+        if (strcmp(x->at[i].name, name) == 0) return true;
+    return false;
+}
+
+static struct source find(struct gb_index *x, const struct options *o)
+{
+    const char *file = o->common.file, *what = o->common.what, *unit[CONVERT_PARTS];
+    char err[ERR_BYTES];
     struct source s = {.o = &o->common};
-    if (!convert_request_parse(what, &s.request))
-        die(ST_USAGE, "%s: expected a variable, or NAME=hypot(U,V)", what);
-    for (int i = 0; i < s.request.n; i++)
-        s.part[i] = find_stack(x, o, s.request.part[i], s.request.length[i]);
-    if (s.request.n > 1 && !gb_same_axes(&s.part[0], &s.part[1]))
-        die(ST_USAGE, "%s: %s: the two have different axes, expected the same", file, what);
-    if (s.request.n > 1) convert_check_units(&o->common, s.part[0].at->units, s.part[1].at->units);
+    struct convert_request *r = &s.request;
+    if (!convert_request_parse(what, known, x, r, err))
+        die(ST_USAGE, "%s: %s: %s", file, what, err);
+    for (int i = 0; i < r->n; i++) {
+        s.part[i] = find_stack(x, o, r->part[i]);
+        if (!gb_same_axes(&s.part[0], &s.part[i]))
+            die(ST_USAGE, "%s: %s: %s and %s have different axes, expected the same", file, what,
+                r->part[0], r->part[i]);
+        unit[i] = s.part[i].at->units;
+    }
+    if (!convert_request_unit(r, unit, NULL, err)) die(ST_USAGE, "%s: %s: %s", file, what, err);
     return s;
 }
 
@@ -85,9 +121,12 @@ static bool find_range(
     struct grid g;
     if (!gb_stack_check(s, err) || !gb_axes(file, s, &g, err)) return false;
     bool good = true;
-    for (size_t time = 0; good && time < s->n_times; time++) {
-        good = gb_values(file, s, time, &g, false, err);
-        if (good) convert_range_add(range, &g);
+    for (size_t m = 0; good && m < s->n_members; m++) {
+        const struct gb_stack one = gb_member(s, m);
+        for (size_t time = 0; good && time < s->n_times; time++) {
+            good = gb_values(file, &one, time, &g, err);
+            if (good) convert_range_add(range, &g);
+        }
     }
     grid_free(&g);
     return good;
@@ -143,29 +182,32 @@ static void axes(void *ctx, struct grid *g)
         die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
 }
 
-static void values(void *ctx, size_t time, struct grid *g)
+static void values(void *ctx, int part, size_t time, size_t member, struct grid *g)
 {
     struct source *s = ctx;
     char err[ERR_BYTES];
-    for (int i = 0; i < s->request.n; i++)
-        if (!gb_values(s->o->file, &s->part[i], time, g, i > 0, err))
-            die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
+    const struct gb_stack one = gb_member(&s->part[part], member);
+    if (!gb_values(s->o->file, &one, time, g, err))
+        die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
 }
 
-static void heights(void *ctx, size_t time, struct grid *g)
+static void heights(void *ctx, size_t time, size_t member, struct grid *g)
 {
     struct source *s = ctx;
     char err[ERR_BYTES];
-    if (!gb_heights_values(s->o->file, &s->part[0], &s->heights, time, g, err))
+    struct gb_heights of = s->heights;
+    const struct gb_stack one = gb_member(&s->part[0], member);
+    of.field = gb_member(&s->heights.field, member);
+    if (!gb_heights_values(s->o->file, &one, &of, time, g, err))
         die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->o->what, err);
-    if (s->heights.kind == GB_HEIGHTS_HYBRID) convert_pressures(g);
+    if (of.kind == GB_HEIGHTS_HYBRID) convert_pressures(g);
 }
 
 static enum convert_levels levels_of(const struct gb_index *x, struct source *s)
 {
     const char *levels = s->part[0].at->levels;
     if (!s->o->heights) return CONVERT_LEVELS_OTHER;
-    gb_heights_find(x, &s->part[0], &s->heights);
+    gb_heights_find(x, &s->part[0], s->o->standard, &s->heights);
     if (s->heights.kind != GB_HEIGHTS_NONE) return CONVERT_LEVELS_FIELD;
     if (strncmp(levels, "isobaric", 8) == 0) return CONVERT_LEVELS_PRESSURE;
     return convert_levels_of(gb_measure_of(levels)->units);
@@ -188,21 +230,25 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     buf_printf(title, "; t validity %012lld [YYYYMMDDhhmm]", (long long)e->when);
 }
 
-static void convert_stack(const struct gb_index *x, const struct options *o)
+static void convert_stack(struct gb_index *x, const struct options *o)
 {
     struct source s = find(x, o);
     struct converter from = {.what = o->common.what,
-        .name = s.request.name,
-        .unit = s.part[0].at->units,
+        .request = &s.request,
         .levels = levels_of(x, &s),
         .levels_unit = gb_measure_of(s.part[0].at->levels)->units,
         .degrees = !gb_is_projected(s.part[0].at->kind),
         .times = s.part[0].n_times,
+        .members = s.part[0].n_members,
+        .over = o->over,
         .ctx = &s,
         .axes = axes,
         .values = values,
         .heights = heights,
         .describe = describe};
+    const bool geopotential = s.heights.kind == GB_HEIGHTS_GEOPOTENTIAL;
+    if (s.heights.kind != GB_HEIGHTS_NONE) from.heights_by = s.heights.field.at->name;
+    from.standard_too = geopotential && strncmp(s.part[0].at->levels, "isobaric", 8) == 0;
     convert(&o->common, &from);
 }
 
@@ -212,7 +258,8 @@ int main(int argc, char **argv)
     struct gb_index x;
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
-    if (!gb_index_read(o.common.file, &x, err)) die(ST_USAGE, "%s: %s", o.common.file, err);
+    if (!gb_index_read(o.common.file, o.where, o.n_where, &x, err))
+        die(ST_USAGE, "%s: %s", o.common.file, err);
     if (o.common.list) list(o.common.file, &x);
     else convert_stack(&x, &o);
     gb_index_free(&x);

@@ -3,30 +3,53 @@
 #include "cf/cf.h"
 #include "convert/convert.h"
 
+#include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-chz] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE\n"
-                                 "       nc2vtk -i|-l FILE.nc";
+static const char usage_text[] =
+    "[-chzZ] [-d DIMENSION=INDEX|VALUE|mean|spread] ... [-o FILE] [-r LONGITUDE]\n"
+    "              [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE|NAME=EXPRESSION\n"
+    "       nc2vtk -i|-l [-d DIMENSION=INDEX|VALUE|mean|spread] ... FILE.nc";
+
+#define CHOICES_MOST CF_AXES_MAX
 
 struct options {
     struct convert_options common;
-    bool info; /* -i: list with ranges */
+    bool info;                             /* -i: list with ranges */
+    struct cf_choice choice[CHOICES_MOST]; /* -d */
+    size_t n_choices;
+    enum convert_over over; /* of one of them */
 };
 
-/* The variables of a request: one, or two of a derived one. */
+/* The variables of a request. */
 struct source {
     struct cf_file *c;
     const struct convert_options *o;
     struct convert_request request;
-    struct cf_field part[2];
+    struct cf_field part[CONVERT_PARTS];
     struct cf_heights heights; /* with -z */
 };
+
+/* -d member=3 */
+static void choose(struct options *o, const char *text)
+{
+    const char *equals = strrchr(text, '=');
+    if (o->n_choices == CHOICES_MOST) die(ST_USAGE, "-d: expected %d at most", CHOICES_MOST);
+    if (!equals || equals == text || !equals[1])
+        die(ST_USAGE, "-d %s: expected DIMENSION=INDEX, a value, mean or spread", text);
+    const enum convert_over over = convert_over_of(equals + 1);
+    if (over && o->over) die(ST_USAGE, "-d %s: expected mean or spread once", text);
+    if (over) o->over = over;
+    o->choice[o->n_choices++] =
+        (struct cf_choice){text, (size_t)(equals - text), equals + 1, over != CONVERT_ONE};
+}
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.info = false};
-    for (int c; (c = prog_getopt(argc, argv, "chilo:t:u:z")) != -1;)
+    for (int c; (c = prog_getopt(argc, argv, "cd:hilo:r:t:u:zZ")) != -1;)
         if (c == 'i') o.info = o.common.list = true;
+        else if (c == 'd') choose(&o, optarg);
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
     return o;
@@ -34,19 +57,62 @@ static struct options parse(int argc, char **argv)
 
 /* ---- the request ---------------------------------------------------------------------------- */
 
-static struct source find(struct cf_file *c, const struct convert_options *o)
+static bool known(void *ctx, const char *name) { return cf_knows(ctx, name); }
+
+/* Each choice must be of a dimension of a variable. */
+static void check_choices(const struct source *s, const struct options *o)
+{
+    for (size_t k = 0; k < o->n_choices; k++) {
+        const struct cf_choice *d = &o->choice[k];
+        bool used = false;
+        for (int p = 0; p < s->request.n; p++)
+            for (int i = 0; i < s->part[p].n_axes; i++) {
+                const struct cf_axis *a = &s->part[p].axis[i];
+                used = used || (a->chosen && strncmp(a->name, d->dim, d->length) == 0 &&
+                                   !a->name[d->length]);
+            }
+        if (!used)
+            die(ST_USAGE, "%s: %s: -d %s: no such dimension, expected one that -l lists",
+                o->common.file, o->common.what, d->dim);
+    }
+}
+
+/* The members of all variables, of which some may have none. */
+static size_t members(const struct source *s)
+{
+    size_t n = 1;
+    for (int i = 0; i < s->request.n; i++) {
+        const size_t has = cf_members(&s->part[i]);
+        if (has > 1 && n > 1 && has != n)
+            die(ST_USAGE, "%s: %s: %zu and %zu members, expected as many", s->o->file, s->o->what,
+                n, has);
+        if (has > n) n = has;
+    }
+    return n;
+}
+
+static struct source find(struct cf_file *c, const struct options *options)
 {
     char err[ERR_BYTES];
+    const struct convert_options *o = &options->common;
     struct source s = {.c = c, .o = o};
-    const struct convert_request *r = &s.request;
-    if (!convert_request_parse(o->what, &s.request))
-        die(ST_USAGE, "%s: expected a variable, or NAME=hypot(U,V)", o->what);
-    for (int i = 0; i < r->n; i++)
-        if (!cf_find(c, r->part[i], (size_t)r->length[i], &s.part[i], err))
-            die(ST_USAGE, "%s: %.*s: %s", o->file, r->length[i], r->part[i], err);
-    if (r->n > 1 && !cf_same_axes(&s.part[0], &s.part[1]))
-        die(ST_USAGE, "%s: %s: the two have different axes, expected the same", o->file, o->what);
-    if (r->n > 1) convert_check_units(o, s.part[0].units, s.part[1].units);
+    struct convert_request *r = &s.request;
+    const char *unit[CONVERT_PARTS];
+    bool difference[CONVERT_PARTS];
+    if (!convert_request_parse(o->what, known, c, r, err))
+        die(ST_USAGE, "%s: %s: %s", o->file, o->what, err);
+    for (int i = 0; i < r->n; i++) {
+        if (!cf_find(c, r->part[i], strlen(r->part[i]), &s.part[i], err))
+            die(ST_USAGE, "%s: %s: %s", o->file, r->part[i], err);
+        if (!cf_same_axes(&s.part[0], &s.part[i]))
+            die(ST_USAGE, "%s: %s: %s and %s have different axes, expected the same", o->file,
+                o->what, r->part[0], r->part[i]);
+        unit[i] = s.part[i].units;
+        difference[i] = s.part[i].difference;
+    }
+    if (!convert_request_unit(r, unit, difference, err))
+        die(ST_USAGE, "%s: %s: %s", o->file, o->what, err);
+    check_choices(&s, options);
     return s;
 }
 
@@ -79,10 +145,11 @@ static bool find_range(
     struct grid g;
     if (!cf_axes(f, &g, err)) return false;
     bool good = true;
-    for (size_t time = 0; good && time < (t ? t->n : 1); time++) {
-        good = cf_values(c, f, time, &g, false, err);
-        if (good) convert_range_add(range, &g);
-    }
+    for (size_t time = 0; good && time < (t ? t->n : 1); time++)
+        for (size_t m = 0; good && m < cf_members(f); m++) {
+            good = cf_values(c, f, time, m, &g, err);
+            if (good) convert_range_add(range, &g);
+        }
     grid_free(&g);
     return good;
 }
@@ -115,8 +182,12 @@ static void list(struct cf_file *c, const struct options *o)
 {
     char err[ERR_BYTES];
     struct convert_table table = {.width = {0}};
-    if (!cf_each(c, o->info ? info_one : list_one, &table, err))
+    size_t n;
+    if (!cf_each(c, o->info ? info_one : list_one, &table, &n, err))
         die(ST_USAGE, "%s: %s", o->common.file, err);
+    if (!n)
+        printf("# no variable has two dimensions or more, as a field on a grid has; ncdump -h "
+               "prints what is there\n");
     convert_table_print(&table);
 }
 
@@ -130,30 +201,34 @@ static void axes(void *ctx, struct grid *g)
         die(ST_USAGE, "%s: %s: %s", s->o->file, s->request.name, err);
 }
 
-static void values(void *ctx, size_t time, struct grid *g)
+static void values(void *ctx, int part, size_t time, size_t member, struct grid *g)
 {
     struct source *s = ctx;
     char err[ERR_BYTES];
-    for (int i = 0; i < s->request.n; i++)
-        if (!cf_values(s->c, &s->part[i], time, g, i > 0, err))
-            die(ST_USAGE, "%s: %s: %s", s->o->file, s->part[i].name, err);
+    if (!cf_values(s->c, &s->part[part], time, member, g, err))
+        die(ST_USAGE, "%s: %s: %s", s->o->file, s->part[part].name, err);
 }
 
-static void heights(void *ctx, size_t time, struct grid *g)
+static void heights(void *ctx, size_t time, size_t member, struct grid *g)
 {
     struct source *s = ctx;
     char err[ERR_BYTES];
-    if (!cf_heights_values(s->c, &s->part[0], &s->heights, time, g, err))
+    if (!cf_heights_values(s->c, &s->part[0], &s->heights, time, member, g, err))
         die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->request.name, err);
     if (s->heights.kind == CF_HEIGHTS_HYBRID) convert_pressures(g);
+    if (s->heights.kind == CF_HEIGHTS_SEA) convert_sea_pressures(g);
 }
 
 static enum convert_levels levels_of(struct source *s)
 {
     const struct cf_axis *z = cf_axis_of(&s->part[0], CF_Z);
     char err[ERR_BYTES];
+    if (cf_looks_like_hectopascals(z))
+        warn("%s: %s: %s has no unit; its numbers look like pressures in hPa, but it is drawn as a "
+             "height that grows upwards",
+            s->o->file, s->request.name, z->name);
     if (!s->o->heights) return CONVERT_LEVELS_OTHER;
-    if (!cf_heights_find(s->c, &s->part[0], &s->heights, err))
+    if (!cf_heights_find(s->c, &s->part[0], s->o->standard, &s->heights, err))
         die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->request.name, err);
     if (s->heights.kind != CF_HEIGHTS_NONE) return CONVERT_LEVELS_FIELD;
     return z->pressure ? CONVERT_LEVELS_PRESSURE : convert_levels_of(z->units);
@@ -167,7 +242,7 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     for (int k = CF_X; k <= (z ? CF_Y : CF_Z); k++) {
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
-        const char *name = a->rotated ? "grid_longitude" : a->name;
+        const char *name = a->rotated && k == CF_X ? "grid_longitude" : a->name;
         buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, name, a -> units);
     }
     if (z) buf_printf(title, "; z %s", z);
@@ -177,16 +252,17 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     buf_printf(title, "; t %s %s [%s]", t->name, text, t->units);
 }
 
-static void convert_field(struct cf_file *c, const struct convert_options *o)
+static void convert_field(struct cf_file *c, const struct options *o)
 {
     struct source s = find(c, o);
     const struct cf_axis *t = cf_axis_of(&s.part[0], CF_T);
+    const struct cf_axis *z = cf_axis_of(&s.part[0], CF_Z);
     struct converter from = {.what = s.request.name,
-        .name = s.request.name,
-        .unit = s.part[0].units,
-        .difference = s.part[0].difference,
+        .request = &s.request,
         .levels = levels_of(&s),
-        .levels_unit = cf_axis_of(&s.part[0], CF_Z)->units,
+        .levels_unit = z->units,
+        .members = members(&s),
+        .over = o->over,
         .degrees = cf_axis_is_longitude(cf_axis_of(&s.part[0], CF_X)),
         .times = t ? t->n : 1,
         .ctx = &s,
@@ -194,7 +270,10 @@ static void convert_field(struct cf_file *c, const struct convert_options *o)
         .values = values,
         .heights = heights,
         .describe = describe};
-    convert(o, &from);
+    const bool geopotential = s.heights.kind == CF_HEIGHTS_GEOPOTENTIAL;
+    from.heights_by = geopotential ? s.heights.geopotential.name : z->name;
+    from.standard_too = geopotential && z->pressure;
+    convert(&o->common, &from);
     for (int i = 0; i < s.request.n; i++) cf_field_free(&s.part[i]);
     cf_heights_free(&s.heights);
 }
@@ -206,8 +285,10 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     if (!cf_open(o.common.file, &c, err)) die(ST_USAGE, "%s: %s", o.common.file, err);
+    c.choice = o.choice;
+    c.n_choices = o.n_choices;
     if (o.common.list) list(&c, &o);
-    else convert_field(&c, &o.common);
+    else convert_field(&c, &o);
     cf_close(&c);
     close_stdout();
     return ST_OK;

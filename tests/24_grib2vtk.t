@@ -16,7 +16,9 @@ like '-l prints a table of names, shapes, units, ranges and times' "$out" \
 is '-l aligns the columns' "$(printf '%s\n' "$out" | awk '
 	NR == 1 { at = index($0, "units") }
 	!/^#/ && substr($0, at - 1, 2) !~ /^ [^ ]/')" ''
-like '-l lists refused variables with the reason' "$out" '^# prmsl	meanSea	1 level, expected 2 at least$'
+like '-l lists fields of one level' "$out" '^prmsl +93x65x1 lambert meanSea +Pa '
+like '-l lists refused variables with the reason' "$(grib2vtk -l $samples/reduced_ll_sfc_grib2.tmpl)" \
+	"^# .*a grid of type 'reduced_ll', expected a rectilinear one$"
 
 grib2vtk "$file" 'speed=hypot(u,v)' >speed.vtk
 grib_copy -B 'level:i desc' -w shortName=u/v,typeOfLevel=isobaricInhPa "$file" uv.grb
@@ -166,16 +168,14 @@ else
 fi
 
 # ---- refused, and why --------------------------------------------------------------------------------------------
-grib_copy -w shortName=u/absv/prmsl "$file" few.grb2 # so that each search is short
-refused few.grb2 prmsl 'prmsl: 1 level, expected 2 at least'
+is 'one level' "$(grib2vtk "$file" prmsl | grep -a ^DIMENSIONS)" 'DIMENSIONS 93 65 1'
+grib_copy -w shortName=u/absv "$file" few.grb2 # so that each search is short
 refused few.grb2 nothing 'no nothing, expected one that -l lists'
-refused few.grb2 'a=hypot(u,absv)' 'the two have different axes'
-refused "$grb/wafsgfs_L_t06z_intdsk60.grib2" gh "a grid of type 'reduced_ll', expected a rectilinear one, as cdo remapnn,r360x180 IN OUT writes"
-like 'refused: a reduced Gaussian grid, with advice' "$(grib2vtk -l $samples/reduced_gg_pl_grib2.tmpl)" \
-	"^# .*'reduced_gg', expected a rectilinear one, as cdo setgridtype,regular IN OUT writes"
-like 'refused: spherical harmonics, with advice' "$(grib2vtk -l $samples/sh_pl_grib2.tmpl)" "'sh', expected a rectilinear one, as cdo sp2gpl IN OUT"
+refused few.grb2 'a=hypot(u,absv)' 'u and absv have different axes'
+refused "$grb/wafsgfs_L_t06z_intdsk60.grib2" gh "a grid of type 'reduced_ll', expected a rectilinear one$"
+refused "$grb/ced1.lf00.t00z.eta.grb" t "a grid of type 'unknown', expected a rectilinear one$"
 cat plain.grib2 plain.grib2 >twice.grib2
-refused twice.grib2 t 'several fields at level 500 of one time'
+refused twice.grib2 t 'several fields at level 500 of one time, expected one: -w count=1|4|2|5|3|6'
 make_grib uneven "set dataDate=20260101; $one $two set dataDate=20260102; $one"
 refused uneven.grib2 t 'levels differ between times'
 make_grib mixed "$one set longitudeOfFirstGridPointInDegrees=340; $two"

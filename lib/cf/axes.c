@@ -47,7 +47,7 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis
     cf_text(c, group, id, "axis", axis);
     cf_text(c, group, id, "standard_name", standard);
     cf_text(c, group, id, "positive", positive);
-    a->rotated = strcasecmp(standard, "grid_longitude") == 0;
+    a->rotated = strncasecmp(standard, "grid_l", 6) == 0;
     a->member = strcasecmp(standard, "realization") == 0;
     const char *at = axis[0] && !axis[1] ? strchr(letters, axis[0] & ~0x20) : NULL;
     if (at) return (enum cf_kind)(at - letters);
@@ -85,6 +85,13 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
     return CF_NONE;
 }
 
+bool cf_is_other(const struct cf_axis *a)
+{
+    bool other;
+    kind_by_name(a->name, &other);
+    return a->member || other;
+}
+
 /* Finds the coordinate variable of a dimension: the variable of the same name along it, in the
  * group or an enclosing one. */
 static bool find_coordinates(int group, int dim, const char *name, int *in, int *id)
@@ -118,18 +125,31 @@ static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
     if (calendar[0]) snprintf(a->units + n, CF_TEXT - n, " (%s)", calendar);
 }
 
+/* The levels of the model WRF, which have no coordinates, are counted from the lowest one. */
+static void count_levels(struct cf_axis *a)
+{
+    a->kind = CF_Z;
+    a->in = a->id = -1;
+    snprintf(a->units, CF_TEXT, "1");
+    a->at = xcalloc(a->n, sizeof *a->at);
+    for (size_t i = 0; i < a->n; i++) a->at[i] = (double)i + 1;
+}
+
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
     char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT], standard[CF_TEXT];
     int in, id;
     struct cf_packing p;
-    *a = (struct cf_axis){.kind = CF_NONE};
+    *a = (struct cf_axis){.kind = CF_NONE, .dim = dim};
     if (!cf_did(c, nc_inq_dim(group, dim, name, &a->n))) return cf_look(c, err);
     snprintf(a->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
     if (a->n > NODES_MOST)
         return err_set(err, "%.60s has %zu nodes, expected %d at most", name, a->n, NODES_MOST);
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
-    if (!find_coordinates(group, dim, name, &in, &id)) return true;
+    if (!find_coordinates(group, dim, name, &in, &id)) {
+        if (strncmp(name, "bottom_top", 10) == 0) count_levels(a);
+        return true;
+    }
     cf_packing(c, in, id, &p);
     if (!cf_is_numeric(&p)) return true; /* labels, not numbers */
     if (!cf_unpacks(&p, a->name, err)) return false;
@@ -170,7 +190,7 @@ static struct cf_axis *lesser(struct cf_axis *a, struct cf_axis *b)
     return first ? b : a;
 }
 
-bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
+bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES])
 {
     struct cf_axis *of[CF_NONE] = {NULL};
     bool other[sizeof f->axis / sizeof *f->axis] = {false};
@@ -186,7 +206,7 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
     }
     for (int i = 0; i < f->n_axes; i++) {
         struct cf_axis *a = &f->axis[i];
-        if (a->kind != CF_NONE || a->n == 1) continue;
+        if (a->kind != CF_NONE || a->n == 1 || a->chosen) continue;
         enum cf_kind kind = kind_by_name(a->name, &other[i]);
         other[i] |= a->member;
         if (kind == CF_NONE || other[i]) continue;
@@ -198,17 +218,13 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
     }
     for (int i = f->n_axes - 1, next = CF_X; i >= 0; i--) {
         struct cf_axis *a = &f->axis[i];
-        if (a->kind != CF_NONE || a->n == 1) continue;
+        if (a->kind != CF_NONE || a->n == 1 || a->chosen) continue;
         while (next < CF_NONE && of[next]) next++;
-        if (next == CF_NONE || other[i])
-            return err_set(err,
-                "%.60s has %zu elements and is none of x, y, z and time, expected 1", a->name,
-                a->n);
+        if (next == CF_NONE || other[i]) return cf_choices(c, f, a, err);
         of[next] = a;
         a->kind = (enum cf_kind)next;
     }
-    if (of[CF_X] && of[CF_Y] && !of[CF_Z] && !(of[CF_T] && of[CF_T]->n > 1))
-        of[CF_Z] = make_level(f);
+    if (of[CF_X] && of[CF_Y] && !of[CF_Z]) of[CF_Z] = make_level(f);
     for (int k = CF_X; k <= CF_Z; k++)
         if (!of[k])
             return err_set(
@@ -226,6 +242,35 @@ const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind)
 bool cf_axis_is_longitude(const struct cf_axis *a)
 {
     return a->kind == CF_X && (!a->units[0] || strncasecmp(a->units, "degree", 6) == 0);
+}
+
+/* Makes the longitudes ascend, or descend, by whole circles, where they jump by more than half of
+ * one. False unless they are one circle at most. */
+static bool unwrap(const double *at, double *to, size_t n, double sign)
+{
+    double turned = 0;
+    to[0] = at[0];
+    for (size_t i = 1; i < n; i++) {
+        if (sign * (at[i] - at[i - 1]) < -180) turned += 360 * sign;
+        to[i] = at[i] + turned;
+        if (!(sign * (to[i] - to[i - 1]) > 0)) return false;
+    }
+    const double step = fabs(to[n - 1] - to[0]) / (double)(n - 1);
+    return fabs(to[n - 1] - to[0]) <= 360 + step / 100;
+}
+
+void cf_unwrap(struct cf_axis *a)
+{
+    const bool degrees =
+        strncasecmp(a->units, "degree", 6) == 0 || (!a->units[0] && text_has(a->name, "lon"));
+    if (a->kind != CF_X || !degrees || !a->at || a->n < 2) return;
+    if (a->n > 2 ? !grid_axis_fault(a->at, (uint32_t)a->n) : fabs(a->at[1] - a->at[0]) <= 180)
+        return;
+    double *to = xcalloc(a->n, sizeof *to);
+    if (((a->n > 2 || a->at[1] < a->at[0]) && unwrap(a->at, to, a->n, 1)) ||
+        unwrap(a->at, to, a->n, -1))
+        memcpy(a->at, to, a->n * sizeof *to);
+    free(to);
 }
 
 bool cf_same_axes(const struct cf_field *a, const struct cf_field *b)

@@ -34,13 +34,35 @@ double cf_unpack(const struct cf_packing *p, double stored);
  * missing. */
 double cf_in_units(const char *unit, const char *of);
 
+/* A unit of pressure in Pa; 0 if it is none. */
+double cf_in_pascals(const char *unit);
+/* Refuses an axis of several elements that is none of x, y, z and time, and says what there is to
+ * choose from. */
+bool cf_choices(
+    struct cf_file *c, const struct cf_field *f, const struct cf_axis *a, char err[ERR_BYTES]);
+/* True if the name of the axis, or its standard name, says that it is none of them. */
+bool cf_is_other(const struct cf_axis *a);
+/* Marks the axes of which the caller has chosen an element. False with a message in err if that is
+ * not there. */
+bool cf_choose(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);
+/*
+ * Finds whether the levels are pressures in the sea, and then their pressures in Pa, which the
+ * caller frees. False with a message in err if the levels are pressures, but neither of air nor of
+ * the sea.
+ */
+bool cf_sea_levels(
+    struct cf_file *c, const struct cf_field *f, double **pascals, bool *sea, char err[ERR_BYTES]);
+
 /* False with the reason in err if the dimension cannot be the axis of a grid. */
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES]);
 /*
  * Assigns kinds to axes that have none: first by name, then the remaining kinds in the order that
- * CF recommends: t z y x. Axes with one element stay CF_NONE, and become it beside a longer one of
- * their kind. False with the reason in err unless x, y and z each occur once.
+ * CF recommends: t z y x. Axes with one element, or a chosen one, stay CF_NONE; one beside a longer
+ * axis of its kind becomes that. False with the reason in err unless x, y and z each occur once.
  */
-bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES]);
+bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);
+/* Adds and takes away whole circles, so that longitudes that cross the end of their range, such as
+ * 355, 0, 5, ascend or descend. */
+void cf_unwrap(struct cf_axis *a);
 
 #endif

@@ -4,27 +4,54 @@
 #include <netcdf.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define PATH_MAX_BYTES 1024 /* bytes of a variable's full name, as printed */
 
-/* True if the field's coordinates vary along more than one dimension. */
-static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
+/*
+ * The operator of the Climate Data Operators that makes a field rectilinear, and what it is: its
+ * longitudes and latitudes lie along two dimensions, or both along one. NULL: they do not.
+ */
+static const char *remapping(struct cf_file *c, const struct cf_field *f, const char **what)
 {
-    char names[CF_TEXT], *rest = names, *word;
-    cf_text(c, f->group, f->id, "coordinates", names);
-    while ((word = text_part(&rest, ' ')) != NULL) {
-        int id, n;
-        if (*word && nc_inq_varid(f->group, word, &id) == NC_NOERR &&
-            nc_inq_varndims(f->group, id, &n) == NC_NOERR && n > 1)
-            return true;
+    char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
+    int first = -1;
+    const char *name = NULL;
+    while (!name && (word = text_part(&rest, ' ')) != NULL) {
+        int id, n, dims[NC_MAX_VAR_DIMS];
+        nc_type type;
+        char units[CF_TEXT];
+        if (!*word || nc_inq_varid(f->group, word, &id) != NC_NOERR ||
+            nc_inq_var(f->group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 1)
+            continue;
+        cf_text(c, f->group, id, "units", units);
+        if (n > 1 && type != NC_CHAR) *what = "a curvilinear grid";
+        if (strncasecmp(units, "deg", 3) != 0 && strncasecmp(units, "rad", 3) != 0) continue;
+        if (n > 1) name = "remapbil";
+        else if (dims[0] == first) name = "remapnn", *what = "an unstructured grid";
+        first = dims[0];
     }
+    free(names);
+    return name;
+}
+
+/* Refuses a dimension without coordinates. */
+static bool refuse_axis(
+    struct cf_file *c, const struct cf_field *f, const struct cf_axis *a, char err[ERR_BYTES])
+{
+    const char *what = "no rectilinear grid", *operator= remapping(c, f, &what);
+    err_set(err, "%s: there are no coordinates along %.60s, expected them along each axis%s%s%s",
+        what, a->name, operator? ", as cdo " : "",
+        operator? operator: "", operator? ",GRID IN OUT writes; nc2vtk(1) has a GRID" : "");
     return false;
 }
 
 static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 {
     if (a->kind == CF_T || a->kind == CF_NONE || a->made) return true;
-    if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    if (a->n < 2 && a->kind != CF_Z)
+        return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    if (a->n < 2) return true;
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
     char why[GRID_FAULT];
@@ -34,22 +61,18 @@ static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 
 static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES])
 {
-    int several = 0;
-    for (int i = 0; i < f->n_axes; i++) several += f->axis[i].n != 1;
-    if (several > CF_NONE)
-        return err_set(err, "%d of its dimensions have several elements, expected %d at most",
-            several, CF_NONE);
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
-        if (a->at || a->kind == CF_T || a->n == 1) continue;
-        return err_set(err,
-            "%s: there are no coordinates along %.60s, expected them along each axis%s",
-            is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name,
-            is_curvilinear(c, f) ? ", as cdo remapbil,r360x180 IN OUT writes" : "");
+        if (a->at || a->kind == CF_T || a->n == 1 || a->chosen) continue;
+        const bool rest =
+            cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y) && (cf_axis_of(f, CF_Z) || cf_is_other(a));
+        return rest ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
     }
-    if (!cf_tell_axes_apart(f, err)) return false;
-    for (int i = 0; i < f->n_axes; i++)
+    if (!cf_tell_axes_apart(c, f, err)) return false;
+    for (int i = 0; i < f->n_axes; i++) {
+        cf_unwrap(&f->axis[i]);
         if (!check_axis(&f->axis[i], err)) return false;
+    }
     return true;
 }
 
@@ -73,7 +96,7 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
         return err_set(err, "it has %d dimensions, expected %d at most", n, CF_AXES_MAX);
     for (; f->n_axes < n; f->n_axes++)
         if (!cf_axis_read(c, group, dims[f->n_axes], &f->axis[f->n_axes], err)) return false;
-    return cf_look(c, err) && check_axes(c, f, err);
+    return cf_look(c, err) && cf_choose(c, f, err) && check_axes(c, f, err);
 }
 
 void cf_field_free(struct cf_field *f)
@@ -82,23 +105,37 @@ void cf_field_free(struct cf_field *f)
     f->n_axes = 0;
 }
 
-bool cf_find(struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES])
+/* Finds a variable by its name, perhaps with groups before it. */
+static bool find_variable(const struct cf_file *c, const char *name, size_t n, int *group, int *id)
 {
-    int group = c->root, id = 0;
     char *path = xmalloc(n + 1, 1);
-    *f = (struct cf_field){0};
     memcpy(path, name, n);
     path[n] = '\0';
     char *slash = strrchr(path, '/');
     if (slash) *slash = '\0';
-    bool found = !slash || slash == path || nc_inq_grp_full_ncid(c->root, path, &group) == NC_NOERR;
-    found = found && nc_inq_varid(group, slash ? slash + 1 : path, &id) == NC_NOERR;
+    *group = c->root;
+    bool found = !slash || slash == path || nc_inq_grp_full_ncid(c->root, path, group) == NC_NOERR;
+    found = found && nc_inq_varid(*group, slash ? slash + 1 : path, id) == NC_NOERR;
     free(path);
-    return found ? cf_field_read(c, group, id, f, err)
-                 : err_set(err, "no such variable, expected one that -l lists");
+    return found;
 }
 
-static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg)
+bool cf_knows(const struct cf_file *c, const char *name)
+{
+    int group, id;
+    return find_variable(c, name, strlen(name), &group, &id);
+}
+
+bool cf_find(struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES])
+{
+    int group, id;
+    *f = (struct cf_field){0};
+    return find_variable(c, name, n, &group, &id)
+               ? cf_field_read(c, group, id, f, err)
+               : err_set(err, "no such variable, expected one that -l lists");
+}
+
+static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg, size_t *count)
 {
     int n = 0, dims = 0;
     size_t length = 0;
@@ -110,18 +147,21 @@ static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg
     for (int id = 0; id < n; id++) {
         cf_did(c, nc_inq_var(group, id, name, NULL, &dims, NULL, NULL));
         snprintf(path + at, sizeof path - at, "/%s", name);
-        if (dims >= 2) visit(c, group, id, path, arg);
+        if (dims < 2) continue;
+        ++*count;
+        visit(c, group, id, path, arg);
     }
     n = 0;
     cf_did(c, nc_inq_grps(group, &n, NULL));
     int *inside = xcalloc((size_t)n, sizeof *inside);
     cf_did(c, nc_inq_grps(group, &n, inside));
-    for (int i = 0; i < n; i++) visit_group(c, inside[i], visit, arg);
+    for (int i = 0; i < n; i++) visit_group(c, inside[i], visit, arg, count);
     free(inside);
 }
 
-bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[ERR_BYTES])
+bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, size_t *count, char err[ERR_BYTES])
 {
-    visit_group(c, c->root, visit, arg);
+    *count = 0;
+    visit_group(c, c->root, visit, arg, count);
     return cf_look(c, err);
 }

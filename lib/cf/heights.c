@@ -144,9 +144,7 @@ static bool to_pascals(struct cf_file *c, int group, int id, double *value, char
     char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
     cf_text(c, group, id, "units", units);
     if (!units[0]) return true;
-    bool hecto = strcmp(units, "hPa") == 0 || strcmp(units, "mb") == 0 ||
-                 strcmp(units, "mbar") == 0 || strncmp(units, "millibar", 8) == 0;
-    double pascals = hecto ? 100 : cf_in_units(units, "Pa");
+    const double pascals = cf_in_pascals(units);
     *value *= pascals;
     if (pascals > 0) return true;
     cf_did(c, nc_inq_varname(group, id, name));
@@ -220,21 +218,27 @@ static bool find_above(int *group, const char *name, int *id)
     return true;
 }
 
-bool cf_heights_find(
-    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
+bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
+    struct cf_heights *h, char err[ERR_BYTES])
 {
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
     struct names n;
     *h = (struct cf_heights){.kind = CF_HEIGHTS_NONE};
     if (z->made) return true;
-    const int found = find_geopotential(c, f, h, err);
+    const int found = standard ? 0 : find_geopotential(c, f, h, err);
     if (found < 0) return false;
     if (found) {
         h->kind = CF_HEIGHTS_GEOPOTENTIAL;
         return true;
     }
     const int named = z->at ? find_names(c, z, &n, err) : 0;
-    if (named <= 0) return named == 0 && cf_look(c, err);
+    if (named < 0) return false;
+    if (named == 0) {
+        bool sea;
+        if (!cf_sea_levels(c, f, &h->a, &sea, err)) return false;
+        if (sea) h->kind = CF_HEIGHTS_SEA;
+        return cf_look(c, err);
+    }
     const char *surface = n.ps[0] ? n.ps : n.orog;
     h->group = f->group;
     if (!find_above(&h->group, surface, &h->surface))
@@ -258,7 +262,7 @@ void cf_heights_free(struct cf_heights *h)
 /* Reads the surface pressure in Pa, or its height in metres, at one time, as a layer of g. Its
  * dimensions are those of the field, without z. */
 static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
-    size_t time, const struct grid *g, double *layer, char err[ERR_BYTES])
+    size_t time, size_t member, const struct grid *g, double *layer, char err[ERR_BYTES])
 {
     int dims = 0, dim[NC_MAX_VAR_DIMS];
     char name[NC_MAX_NAME + 1], what[NC_MAX_NAME + 1] = "";
@@ -272,15 +276,18 @@ static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf
         for (int k = 0; k < f->n_axes; k++)
             if (strncmp(f->axis[k].name, name, CF_TEXT - 1) == 0) a = &f->axis[k];
         if (count[i] == 1 && !(a && a->kind <= CF_Y)) continue;
-        if (!a || a->n != count[i] || a->kind == CF_Z || a->kind == CF_NONE)
+        const bool chosen = a && a->chosen;
+        if (!a || a->n != count[i] || a->kind == CF_Z || (a->kind == CF_NONE && !chosen))
             return err_set(err,
                 "%.60s of the surface has the dimension %.60s, expected x, y and time of the field",
                 what, name);
-        if (a->kind == CF_T) start[i] = time, count[i] = 1;
+        if (chosen) start[i] = a->over ? member : a->pick;
+        else if (a->kind == CF_T) start[i] = time;
+        if (chosen || a->kind == CF_T) count[i] = 1;
         else of[i] = a->kind == CF_X ? 1 : g->n[0];
-        if (seen >> a->kind & 1)
+        if (!chosen && seen >> a->kind & 1)
             return err_set(err, "%.60s of the surface has %.60s twice", what, name);
-        seen |= 1U << a->kind;
+        if (!chosen) seen |= 1U << a->kind;
     }
     if (!(seen >> CF_X & 1 && seen >> CF_Y & 1))
         return err_set(err, "%.60s of the surface lacks x or y, expected both", what);
@@ -308,22 +315,22 @@ static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf
 }
 
 bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
-    size_t time, struct grid *g, char err[ERR_BYTES])
+    size_t time, size_t member, struct grid *g, char err[ERR_BYTES])
 {
     const size_t layer = (size_t)g->n[0] * g->n[1];
     if (h->kind == CF_HEIGHTS_GEOPOTENTIAL) {
-        if (!cf_values(c, &h->geopotential, time, g, false, err)) return false;
+        if (!cf_values(c, &h->geopotential, time, member, g, err)) return false;
         for (size_t i = 0; i < layer * g->n[2]; i++)
             g->value[i] = (float)((double)g->value[i] * h->metres);
         return true;
     }
     double *ps = xcalloc(layer, sizeof *ps);
-    bool good = surface(c, f, h, time, g, ps, err);
+    bool good = h->kind == CF_HEIGHTS_SEA || surface(c, f, h, time, member, g, ps, err);
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
-    bool turned = (z->at[1] < z->at[0]) != z->down;
+    bool turned = z->n > 1 && (z->at[1] < z->at[0]) != z->down;
     for (size_t k = 0; good && k < z->n; k++) {
         float *to = g->value + layer * (turned ? z->n - 1 - k : k);
-        for (size_t i = 0; i < layer; i++) to[i] = (float)(h->a[k] + h->b[k] * ps[i]);
+        for (size_t i = 0; i < layer; i++) to[i] = (float)(h->a[k] + (h->b ? h->b[k] * ps[i] : 0));
     }
     free(ps);
     return good;

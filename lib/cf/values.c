@@ -8,7 +8,7 @@
 static double sign_of(const struct cf_axis *a) { return a->kind == CF_Z && a->down ? -1 : 1; }
 static bool is_turned(const struct cf_axis *a)
 {
-    return !a->made && (a->at[1] < a->at[0]) != (sign_of(a) < 0);
+    return a->n > 1 && (a->at[1] < a->at[0]) != (sign_of(a) < 0);
 }
 
 bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
@@ -45,7 +45,8 @@ struct way {
     ptrdiff_t step[3], origin; /* in the grid */
 };
 
-static struct way find_way(const struct cf_field *f, size_t time, const struct grid *g)
+static struct way find_way(
+    const struct cf_field *f, size_t time, size_t member, const struct grid *g)
 {
     struct way w = {.origin = 0};
     for (int i = 0, k = 0; i < f->n_axes; i++) {
@@ -55,7 +56,10 @@ static struct way find_way(const struct cf_field *f, size_t time, const struct g
             w.start[i] = time;
             continue;
         }
-        if (a->kind == CF_NONE) continue;
+        if (a->kind == CF_NONE) {
+            w.start[i] = a->over ? member : a->pick;
+            continue;
+        }
         w.n[k] = a->n;
         w.step[k] = (ptrdiff_t)grid_node(g, a->kind == CF_X, a->kind == CF_Y, a->kind == CF_Z);
         if (is_turned(a)) {
@@ -69,10 +73,10 @@ static struct way find_way(const struct cf_field *f, size_t time, const struct g
     return w;
 }
 
-bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct grid *g,
-    bool combine, char err[ERR_BYTES])
+bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, size_t member,
+    struct grid *g, char err[ERR_BYTES])
 {
-    struct way w = find_way(f, time, g);
+    struct way w = find_way(f, time, member, g);
     double *slab = xcalloc(w.n[1] * w.n[2], sizeof *slab), worst = 0;
     for (size_t i = 0; i < w.n[0] && !c->status; i++) {
         const double *from = slab;
@@ -82,7 +86,6 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct 
             float *to = g->value + w.origin + w.step[0] * (ptrdiff_t)i + w.step[1] * (ptrdiff_t)j;
             for (size_t k = 0; k < w.n[2]; k++, to += w.step[2]) {
                 double v = cf_unpack(&f->packing, *from++);
-                if (combine) v = hypot((double)*to, v);
                 if (fabs(v) > worst) worst = fabs(v);
                 *to = (float)v;
             }

@@ -1,58 +1,40 @@
 /* convert: writes the grids to files. */
-#include "convert/convert.h"
+#include "convert/convert_int.h"
 #include "image/image.h"
 #include "units/units.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-static void put(const struct convert_options *o, size_t time, const struct buf *b)
+/* True if the file holds something else. It is no input, so it is read without load_file. */
+static bool holds_another(const char *path, const struct buf *b)
+{
+    unsigned char old[4096];
+    const unsigned char *at = buf_data(b);
+    size_t left = buf_size(b), n;
+    FILE *f = fopen(path, "re");
+    if (!f) return false;
+    bool same = true;
+    while (same && (n = fread(old, 1, sizeof old, f)) > 0) {
+        same = n <= left && memcmp(old, at, n) == 0;
+        at += n, left -= n <= left ? n : left;
+    }
+    fclose(f);
+    return !same || left;
+}
+
+/* Writes a grid; notes the first file that held another one, of those with numbers. */
+static void put(const struct convert_options *o, size_t time, const struct buf *b, char **replaced)
 {
     if (!o->out) {
         put_stdout(buf_data(b), buf_size(b));
         return;
     }
     char *path = image_name(o->out, (uint32_t)time);
+    if (o->every && !*replaced && holds_another(path, b)) *replaced = xstrdup(path);
     if (outfile_put(path, buf_data(b), buf_size(b)) != 0) die(ST_SYSTEM, "%s:", path);
     free(path);
-}
-
-/* ---- the last column of a globe ------------------------------------------------------------- */
-
-#define SLACK .01 /* of a step: coordinates are rounded, to float or to some decimals */
-
-/* True if x lacks exactly one step, no wider than the others, to a full circle. */
-static bool wants_closing(
-    const struct convert_options *o, const struct converter *c, const struct grid *g)
-{
-    const double *x = g->at[0], range = x[g->n[0] - 1] - x[0];
-    double step = 0;
-    if (!c->degrees) die(ST_USAGE, "%s: %s: -c: x is not a longitude in degrees", o->file, c->what);
-    for (uint32_t i = 1; i < g->n[0]; i++) step = fmax(step, x[i] - x[i - 1]);
-    if (fabs(360 - range) <= SLACK * step) return false;
-    if (range > 360 || 360 - range > (1 + SLACK) * step)
-        die(ST_USAGE, "%s: %s: -c: x goes from %g to %g, expected a circle without its last step",
-            o->file, c->what, x[0], x[0] + range);
-    return true;
-}
-
-/* Makes room for one more column. */
-static void make_room(struct grid *g)
-{
-    g->at[0] = xrealloc(g->at[0], g->n[0] + 1, sizeof *g->at[0]);
-    g->at[0][g->n[0]] = g->at[0][0] + 360;
-    g->value = xrealloc(g->value, (size_t)(g->n[0] + 1) * g->n[1], g->n[2] * sizeof *g->value);
-}
-
-/* Copies the first column to the end of each row. */
-static void close_round(struct grid *g)
-{
-    const size_t n = g->n[0]++;
-    for (size_t row = (size_t)g->n[1] * g->n[2]; row-- > 0;) {
-        float *to = g->value + row * (n + 1);
-        memmove(to, g->value + row * n, n * sizeof *to);
-        to[n] = to[0];
-    }
 }
 
 /* ---- units and heights ---------------------------------------------------------------------- */
@@ -61,9 +43,14 @@ static void close_round(struct grid *g)
 struct run {
     const struct convert_options *o;
     const struct converter *c;
-    struct grid g, height; /* height: for CONVERT_LEVELS_FIELD */
+    struct grid g, height;           /* height: for CONVERT_LEVELS_FIELD */
+    struct grid part[CONVERT_PARTS]; /* of an expression */
+    double *mean, *square;           /* of members, and how many have a value: */
+    uint32_t *count;
+    struct convert_roll roll;
     struct units_linear unit;
     bool closing, placed; /* placed: z has the heights of the first time */
+    char *replaced;       /* a file that held another grid */
 };
 
 static struct units_linear conversion(const struct run *r, const char *from, const char *to)
@@ -74,16 +61,6 @@ static struct units_linear conversion(const struct run *r, const char *from, con
         die(ST_USAGE, "%s: %s: has no unit, expected one to convert from", r->o->file, r->c->what);
     if (!units_linear(from, to, &l, err)) die(ST_USAGE, "%s: %s: %s", r->o->file, r->c->what, err);
     return l;
-}
-
-void convert_check_units(const struct convert_options *o, const char *a, const char *b)
-{
-    struct units_linear l;
-    char err[ERR_BYTES];
-    if (strcmp(a, b) == 0) return;
-    if (!units_linear(a, b, &l, err) || fabs(l.factor - 1) >= 1e-9 || fabs(l.offset) >= 1e-9)
-        die(ST_USAGE, "%s: %s: the two are in '%s' and '%s', expected one unit", o->file, o->what,
-            a, b);
 }
 
 static void convert_values(struct run *r)
@@ -121,15 +98,82 @@ static void convert_axis(struct run *r)
 }
 
 /* Moves the values to common heights, those of the first time that is converted. */
-static void convert_columns(struct run *r, size_t time)
+static void convert_columns(struct run *r, size_t time, size_t member)
 {
     char err[ERR_BYTES];
     if (!r->o->heights || r->c->levels != CONVERT_LEVELS_FIELD) return;
-    r->c->heights(r->c->ctx, time, &r->height);
+    r->c->heights(r->c->ctx, time, member, &r->height);
     if (!r->placed && !convert_planes(&r->height, r->g.at[2], err))
-        die(ST_USAGE, "%s: %s: -z: %s", r->o->file, r->c->what, err);
+        die(ST_USAGE, "%s: %s: -z: by %s: %s%s", r->o->file, r->c->what, r->c->heights_by, err,
+            r->c->standard_too ? "; -Z takes the standard atmosphere" : "");
     r->placed = true;
     convert_to_planes(&r->g, &r->height, r->g.at[2]);
+}
+
+/* ---- expressions and members ----------------------------------------------------------------- */
+
+/* Reads the values of one member, and computes those of an expression. */
+static void read_member(struct run *r, size_t time, size_t member)
+{
+    const struct converter *c = r->c;
+    const struct convert_request *q = c->request;
+    const float *part[CONVERT_PARTS];
+    const size_t nodes = grid_node(&r->g, 0, 0, r->g.n[2]);
+    if (q->n_steps == 1) {
+        c->values(c->ctx, 0, time, member, &r->g);
+        return;
+    }
+    for (int i = 0; i < q->n; i++) {
+        struct grid *p = &r->part[i];
+        memcpy(p->n, r->g.n, sizeof p->n);
+        if (!p->value) p->value = xmalloc(nodes, sizeof *p->value);
+        c->values(c->ctx, i, time, member, p);
+        part[i] = p->value;
+    }
+    for (size_t i = 0; i < nodes; i++) {
+        const double v = convert_request_at(q, part, i);
+        if (fabs(v) > GRID_MAX)
+            die(ST_USAGE, "%s: %s: a value is %g, expected %g at most", r->o->file, c->what, v,
+                GRID_MAX);
+        r->g.value[i] = (float)v;
+    }
+}
+
+/* Adds a member to the sums. (B.P. Welford, Technometrics 4, 1962) */
+static void add_member(struct run *r, size_t nodes)
+{
+    for (size_t i = 0; i < nodes; i++) {
+        const double v = (double)r->g.value[i], off = v - r->mean[i];
+        if (isnan(v)) continue;
+        r->mean[i] += off / ++r->count[i];
+        r->square[i] += off * (v - r->mean[i]);
+    }
+}
+
+/* Reads the values of one time, at their heights, of all members. */
+static void convert_members(struct run *r, size_t time)
+{
+    const struct converter *c = r->c;
+    const size_t nodes = grid_node(&r->g, 0, 0, r->g.n[2]);
+    const bool several = c->over != CONVERT_ONE;
+    if (several) {
+        if (!r->mean) r->mean = xmalloc(nodes, sizeof *r->mean);
+        if (!r->square) r->square = xmalloc(nodes, sizeof *r->square);
+        if (!r->count) r->count = xmalloc(nodes, sizeof *r->count);
+        memset(r->count, 0, nodes * sizeof *r->count);
+        for (size_t i = 0; i < nodes; i++) r->mean[i] = r->square[i] = 0;
+    }
+    for (size_t m = 0; m < (several ? c->members : 1); m++) {
+        read_member(r, time, m);
+        convert_columns(r, time, m);
+        if (several) add_member(r, nodes);
+    }
+    for (size_t i = 0; several && i < nodes; i++) {
+        const uint32_t n = r->count[i];
+        r->g.value[i] = !n                        ? NAN
+                        : c->over == CONVERT_MEAN ? (float)r->mean[i]
+                                                  : (float)sqrt(r->square[i] / n);
+    }
 }
 
 /* ---- output ---------------------------------------------------------------------------------- */
@@ -138,18 +182,30 @@ static void convert_time(struct run *r, size_t time)
 {
     const struct converter *c = r->c;
     struct buf title = {0}, b = {0};
-    c->values(c->ctx, time, &r->g);
-    convert_columns(r, time);
+    convert_members(r, time);
     convert_values(r);
-    if (r->closing) close_round(&r->g);
-    buf_printf(&title, "%s [%s]", c->name, r->o->unit ? r->o->unit : c->unit);
+    convert_roll(&r->roll, &r->g);
+    if (r->closing) convert_close(&r->g);
+    buf_printf(&title, "%s [%s]", c->request->name, r->o->unit ? r->o->unit : c->request->unit);
     c->describe(c->ctx, time, r->o->heights ? "height [m]" : NULL, &title);
     buf_append(&title, "", 1);
     grid_write(&r->g, (const char *)buf_data(&title), &b);
-    put(r->o, time, &b);
+    put(r->o, time, &b, &r->replaced);
     if (r->closing) r->g.n[0]--;
     buf_free(&title);
     buf_free(&b);
+}
+
+/* Says that another file's grids had the same names. */
+static void tell_replaced(struct run *r, size_t end)
+{
+    if (!r->replaced) return;
+    char *next = image_name(r->o->out, (uint32_t)end);
+    const bool more = access(next, F_OK) == 0;
+    warn("%s held another grid, which is replaced; another -o keeps both%s%s%s", r->replaced,
+        more ? "; " : "", more ? next : "", more ? " stays" : "");
+    free(next);
+    free(r->replaced);
 }
 
 void convert(const struct convert_options *o, const struct converter *c)
@@ -162,15 +218,20 @@ void convert(const struct convert_options *o, const struct converter *c)
             c->times);
     input_add(o->file, "an input");
     if (o->out) image_name_keep(o->out, (uint32_t)begin, (uint32_t)end - 1);
-    if (o->unit) r.unit = conversion(&r, c->unit, o->unit);
-    if (c->difference) r.unit.offset = 0;
+    if (o->unit) r.unit = conversion(&r, c->request->unit, o->unit);
+    if (c->request->difference || c->over == CONVERT_SPREAD) r.unit.offset = 0;
     c->axes(c->ctx, &r.g);
-    snprintf(r.g.name, sizeof r.g.name, "%s", c->name);
+    snprintf(r.g.name, sizeof r.g.name, "%s", c->request->name);
     convert_axis(&r);
     if (o->heights && c->levels == CONVERT_LEVELS_FIELD) c->axes(c->ctx, &r.height);
-    r.closing = o->round && wants_closing(o, c, &r.g);
-    if (r.closing) make_room(&r.g);
+    if (o->roll) r.roll = convert_find_roll(o, c, &r.g);
+    r.closing = o->round && convert_wants_closing(o, c, &r.g);
     for (size_t time = begin; time < end; time++) convert_time(&r, time);
+    tell_replaced(&r, end);
+    for (int i = 0; i < CONVERT_PARTS; i++) free(r.part[i].value);
+    free(r.mean);
+    free(r.square);
+    free(r.count);
     grid_free(&r.g);
     grid_free(&r.height);
 }

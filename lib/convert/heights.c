@@ -1,9 +1,11 @@
 /*
- * heights: heights of pressures, and the values of columns at common heights.
+ * heights: heights of pressures, in air and sea, and the values of columns at common heights.
  *
  * "U.S. Standard Atmosphere, 1976", NOAA, NASA, USAF, Washington 1976, is that of ICAO up to 32 km.
  * Heights are geopotential metres. Above its last layer, 84.852 km, that layer's lapse rate goes
- * on.
+ * on. Depths in the sea: P.M. Saunders and N.P. Fofonoff, Deep-Sea Research 23, 1976, as in N.P.
+ * Fofonoff and R.C. Millard, "Algorithms for computation of fundamental properties of seawater",
+ * UNESCO Technical Papers in Marine Science 44, 1983, of sea water at 0 degrees C and salinity 35.
  */
 #include "convert/convert.h"
 #include "units/units.h"
@@ -41,6 +43,22 @@ void convert_pressures(struct grid *g)
     }
 }
 
+double convert_sea_depth(double p, double latitude_deg)
+{
+    const double sine = sin(latitude_deg * 3.14159265358979323846 / 180), x = sine * sine;
+    const double gravity = 9.780318 * (1 + (5.2788e-3 + 2.36e-5 * x) * x) + 1.092e-6 * p;
+    return (((-1.82e-15 * p + 2.279e-10) * p - 2.2512e-5) * p + 9.72659) * p / gravity;
+}
+
+void convert_sea_pressures(struct grid *g)
+{
+    float *v = g->value;
+    for (uint32_t k = 0; k < g->n[2]; k++)
+        for (uint32_t j = 0; j < g->n[1]; j++)
+            for (uint32_t i = 0; i < g->n[0]; i++, v++)
+                *v = (float)(0 - convert_sea_depth((double)*v / 1e4, g->at[1][j]));
+}
+
 enum convert_levels convert_levels_of(const char *unit)
 {
     struct units_linear l;
@@ -69,10 +87,11 @@ bool convert_planes(const struct grid *height, double *plane, char err[ERR_BYTES
         }
         qsort(sorted, n, sizeof *sorted, by_height);
         plane[k] = n ? (double)sorted[n / 4] : 0;
-        if (!n) good = err_set(err, "all heights of a level are missing, expected some");
+        const double z = height->at[2] ? height->at[2][k] : (double)k;
+        if (!n) good = err_set(err, "all heights of the level %g are missing, expected some", z);
         else if (k && !(plane[k] - plane[k - 1] >= GRID_STEP_MIN))
-            good = err_set(err, "the height of a level is %g after %g, expected it to ascend",
-                plane[k], plane[k - 1]);
+            good = err_set(err, "the height of the level %g is %g after %g, expected it to ascend",
+                z, plane[k], plane[k - 1]);
     }
     free(sorted);
     return good;

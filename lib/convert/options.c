@@ -12,11 +12,16 @@ void convert_option(
     case 'h': usage(ST_OK, usage_text);
     case 'l': o->list = true; break;
     case 'o': o->out = opt_text(letter, argument); break;
+    case 'r':
+        o->roll = true;
+        o->from = opt_real(letter, argument, -360, 360);
+        break;
     case 't':
         o->every = strcmp(argument, "all") == 0;
         if (!o->every) o->time = (size_t)opt_int(letter, argument, 0, UINT32_MAX);
         break;
     case 'u': o->unit = opt_text(letter, argument); break;
+    case 'Z': o->standard = true; /* fallthrough */
     case 'z': o->heights = true; break;
     default: usage(ST_USAGE, usage_text);
     }
@@ -31,4 +36,11 @@ void convert_operands(struct convert_options *o, int n, char **operand, const ch
     if (naming == IMAGE_NAME_BAD) die(ST_USAGE, "-o %s: expected one %%d in it at most", o->out);
     if (o->every && naming != IMAGE_NAME_NUMBERED)
         die(ST_USAGE, "-t all: expected -o with %%d in the name");
+}
+
+enum convert_over convert_over_of(const char *word)
+{
+    return strcmp(word, "mean") == 0     ? CONVERT_MEAN
+           : strcmp(word, "spread") == 0 ? CONVERT_SPREAD
+                                         : CONVERT_ONE;
 }

@@ -21,4 +21,17 @@ void gb_close(struct gb_file *in);
 long gb_long(const codes_handle *h, const char *key);
 double gb_real(const codes_handle *h, const char *key);
 
+/* "" if the key is missing. */
+void gb_text(const codes_handle *h, const char *key, char *out, size_t room);
+/* Reads the keys by which messages are chosen. */
+void gb_read_choices(const codes_handle *h, size_t number, struct gb_entry *e);
+/* True if the message counts. */
+bool gb_counts(const codes_handle *h, size_t number, const struct gb_where *where, size_t n,
+    struct gb_entry *e);
+/* Refuses a stack of which two messages have one level and time, and says by which keys they
+ * differ. */
+bool gb_refuse(const struct gb_stack *s, const struct gb_entry *e, char err[ERR_BYTES]);
+/* True if the two have one grid, perhaps in other editions of GRIB, which round differently. */
+bool gb_same_grid(const struct gb_entry *a, const struct gb_entry *b);
+
 #endif

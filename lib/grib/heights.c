@@ -15,14 +15,14 @@
 /* True if p has one level, and the grid and the times of s. */
 static bool is_surface_of(const struct gb_stack *s, const struct gb_stack *p)
 {
-    bool same =
-        p->n_levels == 1 && p->n_times == s->n_times && strcmp(p->at->grid, s->at->grid) == 0;
+    bool same = p->n_levels == 1 && p->n_times == s->n_times && gb_same_grid(p->at, s->at);
     for (size_t t = 0; same && t < s->n_times; t++)
         same = p->at[t].when == s->at[t * s->n_levels].when;
     return same;
 }
 
-void gb_heights_find(const struct gb_index *x, const struct gb_stack *s, struct gb_heights *h)
+void gb_heights_find(
+    const struct gb_index *x, const struct gb_stack *s, bool standard, struct gb_heights *h)
 {
     const bool hybrid = strcmp(s->at->levels, "hybrid") == 0;
     *h = (struct gb_heights){.kind = GB_HEIGHTS_NONE};
@@ -30,8 +30,9 @@ void gb_heights_find(const struct gb_index *x, const struct gb_stack *s, struct 
         struct gb_stack p = gb_stack_at(x, i);
         const char *name = p.at->name;
         n = p.n;
+        if (p.n_members != s->n_members) continue;
         double metres = strcmp(name, "gh") == 0 ? 1 : strcmp(name, "z") == 0 ? 1 / GRAVITY : 0;
-        if (metres > 0 && gb_same_axes(s, &p)) {
+        if (metres > 0 && !standard && gb_same_axes(s, &p)) {
             *h = (struct gb_heights){GB_HEIGHTS_GEOPOTENTIAL, p, metres, false};
             return;
         }
@@ -71,8 +72,8 @@ static bool pressures(const char *path, const struct gb_stack *s, const struct g
     double *ab;
     size_t n;
     surface.value = xcalloc(layer, sizeof *surface.value);
-    bool good = coefficients(path, level, &ab, &n, err) &&
-                gb_values(path, &h->field, time, &surface, false, err);
+    bool good =
+        coefficients(path, level, &ab, &n, err) && gb_values(path, &h->field, time, &surface, err);
     for (size_t k = 0; good && k < s->n_levels; k++) {
         double number = level[k].level;
         if (!(number >= 1 && number <= (double)(n - 1))) {
@@ -96,7 +97,7 @@ bool gb_heights_values(const char *path, const struct gb_stack *s, const struct 
     size_t time, struct grid *g, char err[ERR_BYTES])
 {
     if (h->kind == GB_HEIGHTS_HYBRID) return pressures(path, s, h, time, g, err);
-    if (!gb_values(path, &h->field, time, g, false, err)) return false;
+    if (!gb_values(path, &h->field, time, g, err)) return false;
     const size_t nodes = grid_node(g, 0, 0, g->n[2]);
     for (size_t i = 0; i < nodes; i++) g->value[i] = (float)((double)g->value[i] * h->metres);
     return true;

@@ -1,68 +1,8 @@
-/* index: iterates over messages and builds the index of a file. */
+/* index: builds the index of a file. */
 #include "grib/grib_int.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- messages ------------------------------------------------------------------------------- */
-
-static void say_nothing(const codes_context *c, int level, const char *text)
-{
-    (void)c, (void)level, (void)text; /* errors are returned as a status */
-}
-
-bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES])
-{
-    *in = (struct gb_file){.f = fopen(path, "re")};
-    if (!in->f) return err_set(err, "%s", strerror(errno));
-    codes_context_set_logging_proc(codes_context_get_default(), say_nothing);
-    codes_grib_multi_support_on(NULL);
-    codes_grib_multi_support_reset_file(NULL, in->f);
-    return true;
-}
-
-bool gb_next(struct gb_file *in, char err[ERR_BYTES])
-{
-    int status = 0;
-    if (in->h) {
-        codes_handle_delete(in->h);
-        in->number++;
-    }
-    in->h = codes_grib_handle_new_from_file(NULL, in->f, &status);
-    if (!status) return true;
-    if (in->h) codes_handle_delete(in->h);
-    in->h = NULL;
-    return err_set(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
-}
-
-void gb_close(struct gb_file *in)
-{
-    if (in->h) codes_handle_delete(in->h);
-    fclose(in->f);
-}
-
-/* "" if the key is missing. */
-static void get_text(const codes_handle *h, const char *key, char out[GB_TEXT])
-{
-    size_t n = GB_TEXT;
-    if (codes_get_string(h, key, out, &n) != CODES_SUCCESS) out[0] = '\0';
-    out[GB_TEXT - 1] = '\0';
-    for (char *c = out; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
-}
-
-long gb_long(const codes_handle *h, const char *key)
-{
-    long v = 0;
-    return codes_get_long(h, key, &v) == CODES_SUCCESS ? v : 0;
-}
-
-double gb_real(const codes_handle *h, const char *key)
-{
-    double v = 0;
-    return codes_get_double(h, key, &v) == CODES_SUCCESS ? v : (double)NAN;
-}
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
@@ -90,22 +30,50 @@ static double level_of(const codes_handle *h, const char *levels)
     return type == 141 ? (top * 10 + 1100 - bottom) / 2 : v;
 }
 
+/* Where the grid lies, by keys of both editions. */
+static void read_place(const codes_handle *h, struct gb_entry *e)
+{
+    static const char *const keys[GB_PLACES] = {"latitudeOfFirstGridPointInDegrees",
+        "latitudeOfLastGridPointInDegrees", "longitudeOfFirstGridPointInDegrees",
+        "longitudeOfLastGridPointInDegrees", "N", "latitudeOfSouthernPoleInDegrees",
+        "longitudeOfSouthernPoleInDegrees", "angleOfRotationInDegrees", "LaDInDegrees",
+        "LoVInDegrees", "Latin1InDegrees", "Latin2InDegrees", "DxInMetres", "DyInMetres",
+        "iScansNegatively", "jScansPositively"};
+    for (int i = 0; i < GB_PLACES; i++) e->place[i] = gb_real(h, keys[i]);
+}
+
+bool gb_same_grid(const struct gb_entry *a, const struct gb_entry *b)
+{
+    if (strcmp(a->grid, b->grid) == 0) return true;
+    bool same = a->edition != b->edition && strcmp(a->kind, b->kind) == 0 && a->nx == b->nx &&
+                a->ny == b->ny && isfinite(a->place[0]);
+    for (int i = 0; same && i < GB_PLACES; i++) {
+        const double p = a->place[i], q = b->place[i], off = fabs(p - q);
+        const double slack = i == 12 || i == 13 ? 1 : 1.5e-3; /* metres, degrees */
+        same = isnan(p) || isnan(q) || off <= slack || fabs(off - 360) <= slack;
+    }
+    return same;
+}
+
 static void read_entry(const struct gb_file *in, struct gb_entry *e)
 {
     *e = (struct gb_entry){.number = in->number};
-    get_text(in->h, "shortName", e->name);
-    get_text(in->h, "name", e->long_name);
-    get_text(in->h, "units", e->units);
-    get_text(in->h, "typeOfLevel", e->levels);
+    gb_text(in->h, "shortName", e->name, GB_TEXT);
+    gb_text(in->h, "name", e->long_name, GB_TEXT);
+    gb_text(in->h, "units", e->units, GB_TEXT);
+    gb_text(in->h, "typeOfLevel", e->levels, GB_TEXT);
     /* ecCodes gives pressures that are no whole hPa a type of their own. */
     if (strcmp(e->levels, "isobaricInPa") == 0) snprintf(e->levels, GB_TEXT, "isobaricInhPa");
     e->no_pv = strncmp(e->levels, "hybrid", 6) == 0 && !gb_long(in->h, "PVPresent");
-    get_text(in->h, "md5GridSection", e->grid);
-    get_text(in->h, "gridType", e->kind);
+    gb_text(in->h, "md5GridSection", e->grid, GB_TEXT);
+    gb_text(in->h, "gridType", e->kind, GB_TEXT);
     e->level = level_of(in->h, e->levels);
     e->when = (int64_t)gb_long(in->h, "validityDate") * 10000 + gb_long(in->h, "validityTime");
     e->nx = gb_long(in->h, "Ni");
     e->ny = gb_long(in->h, "Nj");
+    e->edition = gb_long(in->h, "edition");
+    read_place(in->h, e);
+    gb_read_choices(in->h, in->number, e);
 }
 
 static int in_order(const void *a, const void *b)
@@ -113,12 +81,14 @@ static int in_order(const void *a, const void *b)
     const struct gb_entry *p = a, *q = b;
     int d = strcmp(p->name, q->name);
     if (!d) d = strcmp(p->levels, q->levels);
+    if (!d) d = text_order(p->member, q->member);
     if (!d) d = (p->when > q->when) - (p->when < q->when);
     if (!d) d = (p->level > q->level) - (p->level < q->level);
     return d ? d : (p->number > q->number) - (p->number < q->number);
 }
 
-bool gb_index_read(const char *path, struct gb_index *x, char err[ERR_BYTES])
+bool gb_index_read(const char *path, const struct gb_where *where, size_t n, struct gb_index *x,
+    char err[ERR_BYTES])
 {
     struct gb_file in;
     size_t room = 0;
@@ -130,9 +100,13 @@ bool gb_index_read(const char *path, struct gb_index *x, char err[ERR_BYTES])
             room = room ? 2 * room : 256;
             x->at = xrealloc(x->at, room, sizeof *x->at);
         }
-        read_entry(&in, &x->at[x->n++]);
+        read_entry(&in, &x->at[x->n]);
+        x->n += gb_counts(in.h, in.number, where, n, &x->at[x->n]);
     }
+    const size_t all = in.number;
     gb_close(&in);
+    if (good && !x->n && all)
+        good = err_set(err, "no message has what -w asks for, expected one or more of %zu", all);
     if (good && !x->n) good = err_set(err, "no GRIB message, expected one or more");
     if (good && x->at) qsort(x->at, x->n, sizeof *x->at, in_order);
     else gb_index_free(x);
@@ -149,14 +123,27 @@ void gb_index_free(struct gb_index *x)
 
 struct gb_stack gb_stack_at(const struct gb_index *x, size_t first)
 {
-    struct gb_stack s = {.at = x->at + first, .n = 1, .n_levels = 1};
+    struct gb_stack s = {.at = x->at + first, .n = 1, .n_levels = 1, .n_members = 1};
+    size_t of_first = 1; /* entries of the first member */
     while (first + s.n < x->n && strcmp(s.at[s.n].name, s.at->name) == 0 &&
            strcmp(s.at[s.n].levels, s.at->levels) == 0) {
-        if (s.at[s.n].when == s.at->when) s.n_levels++;
-        s.n++;
+        const struct gb_entry *e = &s.at[s.n++];
+        const bool same = strcmp(e->member, s.at->member) == 0;
+        s.n_members += strcmp(e->member, e[-1].member) != 0;
+        of_first += same;
+        s.n_levels += same && e->when == s.at->when;
     }
-    s.n_times = s.n / s.n_levels;
+    s.n_times = of_first / s.n_levels;
     return s;
+}
+
+struct gb_stack gb_member(const struct gb_stack *s, size_t member)
+{
+    struct gb_stack one = *s;
+    one.n /= s->n_members;
+    one.at += member * one.n;
+    one.n_members = 1;
+    return one;
 }
 
 static bool is_rectilinear(const char *kind)
@@ -168,40 +155,61 @@ static bool is_rectilinear(const char *kind)
     return false;
 }
 
-/* The operator of Climate Data Operators that makes a rectilinear grid. */
-static const char *advice(const char *kind)
+/* Names the type of a grid that is not rectilinear, and the operator of the Climate Data Operators
+ * that makes it so, if there is one. */
+static bool refuse_grid(const struct gb_entry *e, char err[ERR_BYTES])
 {
-    if (strncmp(kind, "reduced_gg", 10) == 0) return "setgridtype,regular";
-    return strcmp(kind, "sh") == 0 ? "sp2gpl" : "remapnn,r360x180";
+    const char *kind = e->kind[0] ? e->kind : "unknown";
+    const char *operator= strcmp(kind, "reduced_gg") == 0 ? "setgridtype,regular"
+    : strcmp(kind, "sh") == 0                             ? "sp2gpl"
+                                                          : NULL;
+    return err_set(err, "a grid of type '%s', expected a rectilinear one%s%s%s", kind,
+        operator? ", as cdo " : "", operator? operator: "", operator? " IN OUT writes" : "");
+}
+
+/* Checks one member. */
+static bool check_member(
+    const struct gb_stack *s, const struct gb_entry *first, char err[ERR_BYTES])
+{
+    const struct gb_entry *a = s->at;
+    for (size_t i = 0; i < s->n; i++) {
+        const struct gb_entry *e = &a[i];
+        size_t k = i % s->n_levels;
+        if (!gb_same_grid(e, a) || e->nx != a->nx || e->ny != a->ny)
+            return err_set(err, "grids differ between levels, expected one grid");
+        if (s->n % s->n_levels || e->level != a[k].level || e->when != a[i - k].when)
+            return err_set(err, "levels differ between times, expected the same");
+        if (!gb_same_grid(e, first) || e->level != first[i].level || e->when != first[i].when)
+            return err_set(err, "grids, levels or times differ between members, expected the same");
+    }
+    return true;
 }
 
 bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES])
 {
     const struct gb_entry *a = s->at;
-    if (!is_rectilinear(a->kind))
-        return err_set(err,
-            "a grid of type '%s', expected a rectilinear one, as cdo %s IN OUT writes", a->kind,
-            advice(a->kind));
+    if (!is_rectilinear(a->kind)) return refuse_grid(a, err);
     if (a->nx < 2 || a->nx > INT32_MAX || a->ny < 2 || a->ny > INT32_MAX)
         return err_set(err, "%lldx%lld nodes, expected 2 at least on each axis", (long long)a->nx,
             (long long)a->ny);
-    for (size_t i = 1; i < s->n; i++) {
-        const struct gb_entry *e = &a[i];
-        size_t k = i % s->n_levels;
-        if (strcmp(e->grid, a->grid) != 0 || e->nx != a->nx || e->ny != a->ny)
-            return err_set(err, "grids differ between levels, expected one grid");
-        if (e->when == e[-1].when && !(e->level > e[-1].level))
-            return err_set(err, "several fields at level %g of one time, expected one", e->level);
-        if (s->n % s->n_levels || e->level != a[k].level || e->when != a[i - k].when)
-            return err_set(err, "levels differ between times, expected the same");
+    for (size_t i = 1; i < s->n; i++)
+        if (a[i].when == a[i - 1].when && strcmp(a[i].member, a[i - 1].member) == 0 &&
+            !(a[i].level > a[i - 1].level))
+            return gb_refuse(s, &a[i], err);
+    if (s->n % s->n_members || s->n / s->n_members % s->n_levels)
+        return err_set(err, "levels differ between times%s, expected the same",
+            s->n_members > 1 ? " or members" : "");
+    for (size_t m = 0; m < s->n_members; m++) {
+        const struct gb_stack one = gb_member(s, m);
+        if (!check_member(&one, a, err)) return false;
     }
-    return s->n_levels > 1 || err_set(err, "1 level, expected 2 at least");
+    return true;
 }
 
 bool gb_same_axes(const struct gb_stack *a, const struct gb_stack *b)
 {
-    bool same = a->n == b->n && a->n_levels == b->n_levels &&
-                strcmp(a->at->grid, b->at->grid) == 0 && strcmp(a->at->levels, b->at->levels) == 0;
+    bool same = a->n == b->n && a->n_levels == b->n_levels && a->n_members == b->n_members &&
+                gb_same_grid(a->at, b->at) && strcmp(a->at->levels, b->at->levels) == 0;
     for (size_t i = 0; same && i < a->n; i++)
         same = a->at[i].level == b->at[i].level && a->at[i].when == b->at[i].when;
     return same;

@@ -79,7 +79,7 @@ static bool check_axes(const struct grid *g, char err[ERR_BYTES])
 {
     for (int a = 0; a < 3; a++) {
         const double *at = g->at[a];
-        uint32_t i = grid_axis_fault(at, g->n[a]), end = g->n[a] - 1;
+        uint32_t end = g->n[a] - 1, i = end ? grid_axis_fault(at, g->n[a]) : 0;
         if (i)
             return err_set(
                 err, "%g follows %g along %c, expected all to ascend", at[i], at[i - 1], "xyz"[a]);
@@ -124,7 +124,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
 /* Stores the values of one message. They come row by row or column by column, in either direction
  * along each axis; every other row may be reversed. */
 static bool take_values(
-    codes_handle *h, struct grid *g, size_t k, bool combine, double *values, char err[ERR_BYTES])
+    codes_handle *h, struct grid *g, size_t k, double *values, char err[ERR_BYTES])
 {
     const size_t nx = g->n[0], ny = g->n[1];
     const bool columns = gb_long(h, "jPointsAreConsecutive");
@@ -143,7 +143,6 @@ static bool take_values(
         size_t i = columns ? across : along, j = columns ? along : across;
         float *to = g->value + (k * ny + (up ? j : ny - 1 - j)) * nx + (leftwards ? nx - 1 - i : i);
         double v = values[m] == MISSING ? (double)NAN : values[m];
-        if (combine) v = hypot((double)*to, v);
         if (fabs(v) > GRID_MAX)
             return err_set(err, "a value is %g, expected %g at most", v, GRID_MAX);
         *to = (float)v;
@@ -151,8 +150,8 @@ static bool take_values(
     return true;
 }
 
-bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct grid *g,
-    bool combine, char err[ERR_BYTES])
+bool gb_values(
+    const char *path, const struct gb_stack *s, size_t time, struct grid *g, char err[ERR_BYTES])
 {
     const struct gb_entry *level = s->at + time * s->n_levels;
     const bool down = gb_counts_down(s->at); /* as gb_axes has it, for all times */
@@ -164,7 +163,7 @@ bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct g
     while ((good = gb_next(&in, err)) && in.h && taken < s->n_levels)
         for (size_t k = 0; good && k < s->n_levels; k++) {
             if (level[k].number != in.number) continue;
-            good = take_values(in.h, g, down ? s->n_levels - 1 - k : k, combine, values, err);
+            good = take_values(in.h, g, down ? s->n_levels - 1 - k : k, values, err);
             if (!good) goto out;
             taken++;
         }

@@ -62,8 +62,13 @@ static bool read_field(struct vtk_reader *r)
         return false;
     for (; arrays; arrays--) {
         if (!vtk_name(r, name) || !vtk_count(r, "number of components", 0, 1000, &components) ||
-            !vtk_count(r, "number of tuples", 0, UINT32_MAX, &tuples) || !vtk_type(r, &t) ||
-            !vtk_begin_numbers(r, "numbers of a field", t, components * tuples))
+            !vtk_count(r, "number of tuples", 0, UINT32_MAX, &tuples))
+            return false;
+        if (vtk_take(r, "string")) {
+            if (!vtk_skip_strings(r, components * tuples)) return false;
+            continue;
+        }
+        if (!vtk_type(r, &t) || !vtk_begin_numbers(r, "numbers of a field", t, components * tuples))
             return false;
         bool good = true, taken = vtk_brick_array(r, name, t, components * tuples, &good);
         if (!good) return false;
@@ -115,7 +120,11 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     if (!vtk_expect(r, "next part", "DIMENSIONS")) return false;
     *nodes = 1;
     for (int a = 0; a < 3; a++) {
-        if (!vtk_count(r, what[a], a == 2 && r->further ? 1 : 2, INT32_MAX, &n)) return false;
+        if (!vtk_count(r, what[a], a == 2 ? 1 : 2, INT32_MAX, &n)) return false;
+        if (n == 1 && !r->further)
+            return vtk_fail(r,
+                "the first grid has one level, as a field of x and y alone; expected "
+                "several: one level may follow them, as a ground (cat joins files)");
         g->n[a] = (uint32_t)n;
         /* At least one byte per node, so that nothing overflows later. */
         if (*nodes > (uint64_t)(r->end - r->bytes) / n)

@@ -198,3 +198,20 @@ void vtk_skip_metadata(struct vtk_reader *r)
         r->at = next;
     }
 }
+
+bool vtk_skip_strings(struct vtk_reader *r, uint64_t count)
+{
+    for (uint64_t i = 0; i <= count; i++) { /* first the end of the line of their type */
+        const size_t left = (size_t)(r->end - r->at);
+        const unsigned char *nl = i && r->binary ? NULL : memchr(r->at, '\n', left);
+        if (nl) r->at = nl + 1;
+        if (nl) continue;
+        const size_t head = left && i && r->binary ? (size_t)8 >> (*r->at >> 6) : left + 1;
+        if (head > left) return vtk_fail(r, "ends within the strings of a field, expected all");
+        uint64_t n = *r->at & 0x3f;
+        for (size_t k = 1; k < head; k++) n = n << 8 | r->at[k];
+        if (n > left - head) return vtk_fail(r, "ends within the strings of a field, expected all");
+        r->at += head + n;
+    }
+    return true;
+}

@@ -65,4 +65,8 @@ bool vtk_number(struct vtk_reader *r, const char *what, struct vtk_type t, doubl
 /* Skips the metadata that VTK appends to an array: lines up to an empty one. */
 void vtk_skip_metadata(struct vtk_reader *r);
 
+/* Skips the strings of an array. ASCII: a line each. BINARY: each behind its length, whose first
+ * two bits say how many bytes that has. */
+bool vtk_skip_strings(struct vtk_reader *r, uint64_t count);
+
 #endif

@@ -46,6 +46,62 @@ bool units_linear(const char *from, const char *to, struct units_linear *l, char
     return good;
 }
 
+/* ---- products -------------------------------------------------------------------------------- */
+
+/* A unit whose 0 is nothing; NULL with the reason in err if it is another, or unknown. */
+static ut_unit *factor_of(ut_system *all, const char *unit, char err[ERR_BYTES])
+{
+    struct units_linear l;
+    char why[ERR_BYTES];
+    ut_unit *u = ut_parse(all, spelling(unit), UT_UTF8);
+    if (!u) {
+        err_set(err, "'%.60s' is unknown, expected a unit of udunits2", unit);
+        return NULL;
+    }
+    if (!find(all, unit, "K", &l, why) || fabs(l.offset) <= 0) return u;
+    ut_free(u);
+    err_set(err, "'%.60s' is no factor, expected K", unit);
+    return NULL;
+}
+
+/* Formats u, which may be NULL, and frees it. */
+static bool put(ut_unit *u, char *out, size_t room)
+{
+    const int n = u ? ut_format(u, out, room, UT_ASCII) : -1;
+    ut_free(u);
+    return n >= 0 && (size_t)n < room;
+}
+
+bool units_product(
+    const char *a, const char *b, int sign, char *out, size_t room, char err[ERR_BYTES])
+{
+    ut_set_error_message_handler(ut_ignore);
+    ut_system *all = ut_read_xml(NULL);
+    ut_unit *u = all ? factor_of(all, a, err) : NULL, *v = u ? factor_of(all, b, err) : NULL;
+    bool good = v && put(sign < 0 ? ut_divide(u, v) : ut_multiply(u, v), out, room);
+    if (v && !good)
+        err_set(err, "'%.60s' and '%.60s' have no %s", a, b, sign < 0 ? "quotient" : "product");
+    if (!all) err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
+    ut_free(u);
+    ut_free(v);
+    ut_free_system(all);
+    return good;
+}
+
+bool units_power(const char *unit, int power, char *out, size_t room, char err[ERR_BYTES])
+{
+    ut_set_error_message_handler(ut_ignore);
+    ut_system *all = ut_read_xml(NULL);
+    ut_unit *u = all ? factor_of(all, unit, err) : NULL;
+    bool good = u && put(power < 0 ? ut_root(u, -power) : ut_raise(u, power), out, room);
+    if (u && !good)
+        err_set(err, "'%.60s' has no %s of a unit", unit, power < 0 ? "square root" : "power");
+    if (!all) err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
+    ut_free(u);
+    ut_free_system(all);
+    return good;
+}
+
 bool units_date(double v, const char *unit, struct units_date *d)
 {
     struct units_linear to;

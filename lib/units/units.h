@@ -15,6 +15,15 @@ struct units_linear {
  */
 bool units_linear(const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES]);
 
+/*
+ * Write the unit of a product of values in two units, or of a quotient if `sign` is -1; and that of
+ * a power from 2 on, or of the square root if it is -2. False with a message in err if there is
+ * none, such as of degrees Celsius, whose 0 is not 0, or if the library was missing.
+ */
+bool units_product(
+    const char *a, const char *b, int sign, char *out, size_t room, char err[ERR_BYTES]);
+bool units_power(const char *unit, int power, char *out, size_t room, char err[ERR_BYTES]);
+
 /* Years 0 to 9999, in UTC; Gregorian from 1582-10-15 on, Julian before. */
 struct units_date {
     int year, month, day, hour, minute;

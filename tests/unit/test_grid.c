@@ -1,5 +1,4 @@
 /* Grids: what of VTK legacy is taken, what is refused and where, truncations; writing; values. */
-#include "convert/convert.h"
 #include "grid/grid.h"
 
 #include <setjmp.h>
@@ -273,7 +272,8 @@ static void test_further(void **state)
         grid_free(&g);
     }
     static const char *const bad[][2] = {
-        {GROUND, "t:5: nodes along z is '1', expected"},
+        {GROUND,
+            "t:5: the first grid has one level, as a field of x and y alone; expected several"},
         {FIRST GROUND GROUND, "a second grid of one level, expected one at most"},
         {FIRST SECOND SECOND, "a third grid of several levels, expected two at most"},
         {FIRST HEAD "DIMENSIONS 2 2 2\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 2 float\n10 12\n"
@@ -402,28 +402,6 @@ static void test_consume(void **state)
     buf_free(&copy);
 }
 
-static void test_request(void **state)
-{
-    (void)state;
-    struct convert_request r;
-    assert_true(convert_request_parse("a/b/U", &r) && r.n == 1 && r.length[0] == 5);
-    assert_string_equal(r.name, "U");
-    assert_true(convert_request_parse("speed=hypot(a/U,V)", &r) && r.n == 2);
-    assert_string_equal(r.name, "speed");
-    assert_true(r.length[0] == 3 && memcmp(r.part[0], "a/U", 3) == 0);
-    assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
-    assert_false(convert_request_parse("=hypot(U,V)", &r));
-    assert_true(convert_request_parse(" s = hypot( U , V ) ", &r) && r.n == 2);
-    assert_string_equal(r.name, "s");
-    assert_true(r.length[0] == 1 && r.part[0][0] == 'U');
-    assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
-    assert_true(convert_request_parse("T(K)", &r) && r.n == 1 && r.length[0] == 4);
-    static const char *const bad[] = {"", " ", "=", "s=", "s=U", "s=hypot(U)", "s=hypot(U,V",
-        "s=hypot(,V)", "s=hypot(U,)", "hypot(U,V)", "s=sqrt(U,V)", "s=hypot("};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_false(convert_request_parse(bad[i], &r));
-}
-
 /* Big-endian sizes and values; then the mask, in which only node 0 of layer 1 has a whole cell. */
 static void test_df3(void **state)
 {
@@ -473,7 +451,6 @@ int main(void)
         cmocka_unit_test(test_df3),
         cmocka_unit_test(test_axis),
         cmocka_unit_test(test_consume),
-        cmocka_unit_test(test_request),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

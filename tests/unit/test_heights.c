@@ -23,6 +23,27 @@ static void test_atmosphere(void **state)
     assert_true(isfinite(convert_standard_height(1e-300)));
 }
 
+/* The check value of the algorithm's report; and depths of TEOS-10 (gsw.z_from_p of Debian's
+ * python3-gsw 3.6), which differ by the properties of sea water. */
+static void test_sea(void **state)
+{
+    (void)state;
+    static const double teos[][3] = {{10, 50, 9.91404641}, {500, 50, 495.11556686},
+        {2000, 50, 1973.42273782}, {1000, 0, 992.11738902}, {1000, 60, 988.19228457},
+        {10000, 30, 9713.7351768}};
+    assert_true(fabs(convert_sea_depth(10000, 30) - 9712.653) < 5e-4);
+    assert_true(convert_sea_depth(0, 90) == 0);
+    for (size_t i = 0; i < sizeof teos / sizeof *teos; i++)
+        assert_true(
+            fabs(convert_sea_depth(teos[i][0], teos[i][1]) - teos[i][2]) < 2e-4 * teos[i][2]);
+    float value[8] = {2e7f, 2e7f, 2e7f, 2e7f, 0, 0, 0, 0};
+    double y[2] = {0, 60};
+    struct grid g = {.n = {2, 2, 2}, .at = {NULL, y, NULL}, .value = value};
+    convert_sea_pressures(&g);
+    assert_true(fabs((double)value[0] + convert_sea_depth(2000, 0)) < 1e-3);
+    assert_true(fabs((double)value[3] + convert_sea_depth(2000, 60)) < 1e-3 && value[7] == 0);
+}
+
 static struct grid grid_of(float *value) { return (struct grid){.n = {2, 2, 3}, .value = value}; }
 
 static void test_columns(void **state)
@@ -57,10 +78,10 @@ static void test_refused(void **state)
     double plane[3];
     char err[ERR_BYTES];
     assert_false(convert_planes(&h, plane, err));
-    assert_string_equal(err, "all heights of a level are missing, expected some");
+    assert_string_equal(err, "all heights of the level 1 are missing, expected some");
     for (int i = 4; i < 8; i++) height[i] = -1;
     assert_false(convert_planes(&h, plane, err));
-    assert_string_equal(err, "the height of a level is -1 after 0, expected it to ascend");
+    assert_string_equal(err, "the height of the level 1 is -1 after 0, expected it to ascend");
 }
 
 static void test_units(void **state)
@@ -82,6 +103,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_atmosphere),
+        cmocka_unit_test(test_sea),
         cmocka_unit_test(test_columns),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_units),
