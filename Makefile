@@ -73,7 +73,7 @@ FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
                -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=pointer-overflow
 
-# Four programs need a library each: where it is missing, the others are built, and make says so.
+# Five programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
@@ -82,6 +82,7 @@ LIBS_test_heights = $(LIBS_units)
 LIBS_test_backdrop = $(LIBS_units)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
+LIBS_vol2vtk  = -lexpat
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
 LIBS_cropworker = $(LIBS_pack)
 LIBS_fuzz_files = $(LIBS_pack)
@@ -89,7 +90,8 @@ LIBS_fuzz_files = $(LIBS_pack)
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
-           $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
+           $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh) \
+           $(call lacks,expat.h,vol2vtk:libexpat1-dev:voxel)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.
@@ -113,8 +115,10 @@ UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/uni
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
+LIBS_test_voxel = $(LIBS_vol2vtk)
+LIBS_fuzz_voxel = $(LIBS_vol2vtk)
 LIBS_test_files = $(LIBS_pack)
-FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
 # With CDPATH, `cd` may go elsewhere, and prints where.
 unexport CDPATH
 # What tests and measurements run: these programs.

@@ -17,6 +17,8 @@ bool cf_look(struct cf_file *c, char err[ERR_BYTES]);
 
 /* False with the reason in err if a classic NetCDF file is cut or its header is damaged. */
 bool cf_is_whole(const char *path, char err[ERR_BYTES]);
+/* Opens a directory, a Zarr store. (zarr.c) */
+bool cf_open_zarr(const char *path, struct cf_file *c, char err[ERR_BYTES]);
 
 /* The text of an attribute, or its first string; "" if there is none. The caller frees the whole
  * text. */

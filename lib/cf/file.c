@@ -2,6 +2,7 @@
 #include "cf/cf_int.h"
 
 #include <netcdf.h>
+#include <sys/stat.h>
 
 bool cf_look(struct cf_file *c, char err[ERR_BYTES])
 {
@@ -12,7 +13,9 @@ bool cf_look(struct cf_file *c, char err[ERR_BYTES])
 
 bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES])
 {
+    struct stat st;
     *c = (struct cf_file){0};
+    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode)) return cf_open_zarr(path, c, err);
     if (!cf_is_whole(path, err)) return false;
     cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
     return cf_look(c, err);
