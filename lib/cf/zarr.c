@@ -9,6 +9,7 @@
 #include <netcdf.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* True if the word is there, and null follows. */
 static bool is_null(const struct buf *b, const char *word)
@@ -35,7 +36,7 @@ static bool check_array(const char *store, const char *group, const char *name, 
                        name);
 }
 
-static bool check_group(int id, const char *store, char err[ERR_BYTES])
+bool cf_zarr_check(int id, const char *store, char err[ERR_BYTES])
 {
     int n = 0, variables = 0;
     size_t length = 0;
@@ -47,30 +48,20 @@ static bool check_group(int id, const char *store, char err[ERR_BYTES])
     bool good = !nc_inq_grpname_full(id, &length, group) && !nc_inq_grps(id, &n, groups);
     for (int i = 0; good && i < variables; i++)
         good = !nc_inq_varname(id, i, name) && check_array(store, group, name, err);
-    for (int i = 0; good && i < n; i++) good = check_group(groups[i], store, err);
+    for (int i = 0; good && i < n; i++) good = cf_zarr_check(groups[i], store, err);
     free(groups);
     free(group);
     return good;
 }
 
-bool cf_open_zarr(const char *path, struct cf_file *c, char err[ERR_BYTES])
+bool cf_zarr_url(const char *path, struct buf *url, char err[ERR_BYTES])
 {
-    char *store = realpath(path, NULL);
-    struct buf url = {0};
-    if (!store || strpbrk(store, "#?%[]")) {
-        free(store);
+    char here[4096] = "";
+    if (*path != '/' && !getcwd(here, sizeof here)) *here = '\0';
+    if (strpbrk(here, "#?%[]") || strpbrk(path, "#?%[]"))
         return err_set(err, "a directory with #, ?, %%, [ or ] in its path, which libnetcdf does "
                             "not open, expected another name");
-    }
-    buf_printf(&url, "file://%s#mode=zarr,file", store);
-    buf_append(&url, "", 1);
-    cf_did(c, nc_open((const char *)buf_data(&url), NC_NOWRITE, &c->root));
-    bool good = cf_look(c, err);
-    if (good && !check_group(c->root, store, err)) {
-        nc_close(c->root);
-        good = false;
-    }
-    buf_free(&url);
-    free(store);
-    return good;
+    buf_printf(url, "file://%s%s%s#mode=zarr,file", here, *path == '/' ? "" : "/", path);
+    buf_append(url, "", 1);
+    return true;
 }

@@ -9,7 +9,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #define BLOCKS_MAX (UINT64_C(1) << 32)
 #define BLOCK_MAX (UINT64_C(1) << 32) /* bytes */
@@ -21,8 +20,8 @@ static int digit(unsigned char c)
     return at ? (int)(at - digits) : -1;
 }
 
-/* Appends at most `most` bytes and the rest of a group of four characters. What is no base64 ends
- * it; blanks are passed over. */
+/* Appends at most `most` bytes and the rest of a group of four characters. Other characters end it;
+ * blanks are passed over. */
 static void decode_base64(const unsigned char *p, size_t n, uint64_t most, struct buf *out)
 {
     uint32_t bits = 0;

@@ -1,7 +1,7 @@
 /*
  * nifti: the header of NIfTI-1. R. W. Cox and others, "A (Sort of) New Image Data Format Standard:
- * NIfTI-1", 2004; nifti1.h says what each field is. The numbers follow in the same file, or are in
- * another one of the same name with .img. gzip may have packed both.
+ * NIfTI-1", 2004; its header in C says what each field is. The numbers follow in the same file, or
+ * are in another one of the same name with .img. gzip may have packed both.
  */
 #include "voxel/voxel_int.h"
 

@@ -1,9 +1,9 @@
 /*
  * nrrd: the header of NRRD. G. Kindlmann, "Definition of NRRD File Format", teem.sourceforge.net.
  *
- * Lines "field: description" up to an empty line, in any order after the first; then the numbers, or
- * they are in another file. Axes are from the fastest to the slowest; those that are not in space,
- * such as components or times, are the numbers of a value.
+ * Lines "field: description" up to an empty line, in any order after the first; then the numbers,
+ * or they are in another file. Axes are from the fastest to the slowest; those that are not in
+ * space, such as components or times, are the numbers of a value.
  */
 #include "voxel/voxel_int.h"
 
@@ -112,7 +112,7 @@ static bool read_lines(struct voxel *v, struct header *h)
         const size_t n = strlen(line);
         if (!colon && n && line[n - 1] == ':') colon = line + n - 1;
         char *key = strstr(line, ":=");
-        if (!colon || (key && key < colon)) continue; /* a key of somebody's own */
+        if (!colon || (key && key < colon)) continue; /* a key that the format does not define */
         *colon = '\0';
         const int field = field_of(line);
         if (field >= 0) snprintf(h->text[field], VOXEL_LINE, "%s", voxel_trim(colon + 1));

@@ -34,7 +34,7 @@ struct voxel_array {
     struct voxel_source at;
     bool cells;
     uint64_t components;
-    /* How many numbers further the next value is on each axis of the file, and the next component. */
+    /* How many numbers further the next value is on each axis of the file; the next component. */
     uint64_t stride[3], component_stride;
 };
 

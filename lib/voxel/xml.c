@@ -142,7 +142,7 @@ static void open_appended(struct parsing *p, const char **a)
     size_t at = (size_t)XML_GetCurrentByteIndex(p->parser);
     at += (size_t)XML_GetCurrentByteCount(p->parser);
     while (at < p->v->n_bytes && p->v->bytes[at] != '_') at++;
-    p->appended = at + 1;
+    p->appended = at < p->v->n_bytes ? at + 1 : at;
     p->base64 = strcmp(attribute(a, "encoding", "raw"), "base64") == 0;
     XML_StopParser(p->parser, XML_FALSE);
 }

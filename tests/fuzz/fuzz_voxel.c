@@ -1,6 +1,6 @@
 /*
- * Whatever the bytes: voxel_read returns a message, or arrays; each becomes a grid whose axes ascend
- * and whose values are in range, or a message. No more than the header announces is unpacked.
+ * Whatever the bytes: voxel_read returns a message, or arrays; each becomes a grid whose axes
+ * ascend and whose values are in range, or a message.
  */
 #include "voxel/voxel.h"
 
