@@ -98,7 +98,7 @@ is 'balance auto: a grid alone is enough' "$status $(cmp auto.pam plain.pam && e
 # ---- computed tomography -----------------------------------------------------------------------------------------
 grid scan 1 1 1 's = i < 3 ? -1000 : i < 6 ? 40 : 700' 'scan [HU]; x x [mm]; y y [mm]; z z [mm]'
 gridspec -s 90x60 scan.vtk >scan.spec
-is 'Hounsfield units: no air, tissue, and bone as a surface' "$(awk '$1 == "iso" { print } $1 == "map" { print $1, $2, $6 > 0 }' scan.spec)" \
+is 'Hounsfield units: no air, tissue, and bone as a surface' "$(awk '$1 == "iso" { print } $1 == "map" { print $1, $2, ($6 > 0) }' scan.spec)" \
 	"$(printf '%s\n' 'iso 300 1 0.95 0.85 1' 'map -300 0' 'map -50 1' 'map 100 1' 'map 300 1' 'map 3000 1')"
 ok 'vcworker takes it' vcworker -i scan.vtk scan.spec
 
