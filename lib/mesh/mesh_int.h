@@ -118,8 +118,8 @@ struct mesh_face {
 void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
     void (*f)(void *ctx, const struct mesh_face *face), void *ctx);
 
-/* UTF-8 text may begin with a byte order mark, which libassimp takes for part of the first word: its
- * length, 3 or 0. (mark.c) */
+/* UTF-8 text may begin with a byte order mark, which libassimp takes for part of the first word:
+ * its length, 3 or 0. (mark.c) */
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
 bool mesh_file_marked(const char *path);
 /* aiImportFile of a file with such a mark, which is passed over. */

@@ -61,7 +61,8 @@ struct voxel *voxel_read(const char *name, const char *directory, const unsigned
 {
     struct voxel *v = xcalloc(1, sizeof *v);
     *v = (struct voxel){
-        .name = name, .directory = directory, .bytes = bytes, .n_bytes = n, .err = err, .slope = 1};
+        .name = name, .directory = directory, .bytes = bytes, .n_bytes = n, .slope = 1};
+    v->err = err;
     voxel_even(v);
     for (int i = 0; i < 3; i++) snprintf(v->axis[i], sizeof v->axis[i], "%c", "xyz"[i]);
     if (read_any(v) && check(v)) return v;
