@@ -115,7 +115,6 @@ UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/uni
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
-LIBS_test_voxel = $(LIBS_vol2vtk)
 LIBS_fuzz_voxel = $(LIBS_vol2vtk)
 LIBS_test_files = $(LIBS_pack)
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
