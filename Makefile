@@ -90,6 +90,7 @@ FLAGS_paint/text  = $(PANGO)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
 LIBS_stormview = -lSDL2 $(LIBS_paint)
+LIBS_vol2vtk  = -lexpat
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
 LIBS_cropworker = $(LIBS_pack)
 LIBS_fuzz_files = $(LIBS_pack)
@@ -98,6 +99,7 @@ lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh) \
+           $(call lacks,expat.h,vol2vtk:libexpat1-dev:voxel) \
            $(call lacks,SDL2/SDL.h,stormview:libsdl2-dev:window) \
            $(call lacks,pango/pangocairo.h $(PANGO),stormview:libpango1.0-dev:paint)
 # Without this one, records are not packed on slow links.
@@ -123,8 +125,9 @@ UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/uni
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
+LIBS_fuzz_voxel = $(LIBS_vol2vtk)
 LIBS_test_files = $(LIBS_pack)
-FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
 # With CDPATH, `cd` may go elsewhere, and prints where.
 unexport CDPATH
 # What tests and measurements run: these programs.

@@ -49,7 +49,7 @@ for program in "$root"/bin/*; do
 	blend | grid2pov) words='-o o.png' ends='png' ;;
 	cropworker) words='-i -s 8x8' ends='x' ;;
 	fan | ringctl | deal | protocol | spdgen) words='' ends='x' ;;
-	grib2vtk | nc2vtk) words='-l' ends='nc' ;;
+	grib2vtk | nc2vtk | vol2vtk) words='-l' ends='nc' ;;
 	gridcut) words='-n 2,1,1 -o b%d.vtk' ends='vtk' ;;
 	imgcmp) words='x.png' ends='png' ;;
 	job) words='-i -k kept' ends='nff pov vtk' ;;

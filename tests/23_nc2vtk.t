@@ -431,6 +431,15 @@ head -c 200 packed.nc >cut.nc
 run nc2vtk cut.nc s
 like 'a file that is cut: the message says so' "$status $err" '^2 nc2vtk: cut.nc: (ends after 200 bytes, expected [0-9]+|byte [0-9]+: damaged, expected the header of a NetCDF file)$'
 
+# ---- Zarr ----------------------------------------------------------------------------------------------------
+if ncgen -4 -o "file://$PWD/z.zarr#mode=nczarr,file" packed.cdl 2>/dev/null && [ -d z.zarr ]; then
+	is 'a Zarr store by its path' "$(nc2vtk z.zarr s | od -c | tail -n 3)" "$(nc2vtk packed.nc s | od -c | tail -n 3)"
+	find z.zarr -name .zarray -exec sed -i 's/"compressor": null/"compressor": {"id": "blosc"}/' {} +
+	run nc2vtk z.zarr s
+	like 'a packed one is refused' "$status:$err" '^2:nc2vtk: z.zarr: .* is packed, and libnetcdf does not unpack Zarr'
+else skip 'a Zarr store' 'this libnetcdf writes none'
+fi
+
 # ---- usage, and a full disk ----------------------------------------------------------------------------------
 at_the_end packed.nc s
 nc2vtk -o p.vtk packed.nc s

@@ -95,6 +95,13 @@ is 'balance: -r resumes such a picture' "$status $(cmp again.pam plain.pam && ec
 run balance auto -j 2 -s 90x60 -o auto.pam plain.vtk
 is 'balance auto: a grid alone is enough' "$status $(cmp auto.pam plain.pam && echo same)" '0 same'
 
+# ---- computed tomography -----------------------------------------------------------------------------------------
+grid scan 1 1 1 's = i < 3 ? -1000 : i < 6 ? 40 : 700' 'scan [HU]; x x [mm]; y y [mm]; z z [mm]'
+gridspec -s 90x60 scan.vtk >scan.spec
+is 'Hounsfield units: no air, tissue, and bone as a surface' "$(awk '$1 == "iso" { print } $1 == "map" { print $1, $2, ($6 > 0) }' scan.spec)" \
+	"$(printf '%s\n' 'iso 300 1 0.95 0.85 1' 'map -300 0' 'map -50 1' 'map 100 1' 'map 300 1' 'map 3000 1')"
+ok 'vcworker takes it' vcworker -i scan.vtk scan.spec
+
 # ---- refusals ----------------------------------------------------------------------------------------------------
 refused() { name=$1 ere=$2; shift 2; run "$@"; like "$name" "$status $err" "^2 $ere"; }
 grid gone 1 1 1 's = "nan"'
@@ -109,7 +116,7 @@ is 'the scale of a vast grid is one that a specification may have' "$status$err"
 grid sheet 1e17 1e17 1 's = i'
 refused 'lengths that no scale brings together' 'gridspec: sheet.vtk: an axis is 1e9 times' gridspec sheet.vtk
 sed 's/^SCALARS.*/VECTORS wind float/' plain.vtk >vectors.vtk
-refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS, such as' gridspec vectors.vtk
+refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS; vol2vtk' gridspec vectors.vtk
 sed 's/^DIMENSIONS.*/DIMENSIONS 9 9 1/' plain.vtk >layer.vtk
 refused 'one layer' "gridspec: layer.vtk:5: nodes along z is '1', expected an integer from 2" gridspec layer.vtk
 refused 'another palette' 'gridspec: -p jet: expected batlow, ' gridspec -p jet plain.vtk

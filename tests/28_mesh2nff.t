@@ -370,13 +370,85 @@ like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: m
 gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
 	"samplers": [{"input": 3, "output": 0}]}]' | sed 's/"type": "SCALAR"}/&, {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}/' >moves.gltf
 like 'animations are named' "$(mesh2nff moves.gltf 2>&1 >a)" '^mesh2nff: moves.gltf: animations: 1, left out$'
+# third N: N / 31 as it is written
+third() { case $1 in 21) echo 0.67741936 ;; 10) echo 0.32258064 ;; esac; }
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
-like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, written without them$'
+like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, each face has their mean$'
+printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj
+run mesh2nff coloured.obj
+is 'each face has the mean of its corners, in steps of 1/31, and a line f where it changes' "$(faces)" \
+	"f $(third 21) 0 $(third 10) 1 0 0 0 1
+p 3 0 0 0 1 0 0 0 1 0
+f $(third 10) $(third 10) $(third 10) 1 0 0 0 1
+p 3 1 0 0 1 1 0 0 1 0
+p 3 1 0 0 0 1 0 1 1 0"
 sed 's/ 0 0.6 0.8$/ 0 nan 0.8/' text.ply >normals.ply
 run mesh2nff normals.ply
 like 'normals that are no numbers are named' "$err" 'faces with normals that are no direction: 2, written without them$'
 is 'and the faces are polygons' "$(faces | cut -d' ' -f1 | tr '\n' ' ')" 'f p p '
+
+# ---- oddities of files in the wild: each line is a name, then a triangle, or the reason of a refusal -------------
+packed 'C3' 239 187 191 >mark
+triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
+# shellcheck disable=SC2059  # formats
+{
+	printf "$triangle_of"'f 1 2 3\n' | sed 's/$/\r/' >crlf.obj
+	{ cat mark; printf "$triangle_of"'f 1 2 3\n'; } >marked.obj
+	printf 'v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\n 2 3\n' >continued.obj
+	{ cat mark; printf 'newmtl my paint\nKd 0.5 0.25 0.125\n'; } >'my lib.mtl'
+	{ cat mark; printf 'mtllib my lib.mtl\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n'; } >blanks.obj
+	printf "$triangle_of"'f -3 -2 -1\n' >negative.obj
+	printf "$triangle_of"'vt 0 0\nf 1/1/ 2/1/ 3/1/\n' >slashes.obj
+	printf "$triangle_of"'f 1 2 3' >unended.obj
+	printf 'g a b c\n'"$triangle_of"'s off\nf 1 2 3\n' >groups.obj
+	printf 'v 0 0 0\nv 1.e0 0 0\nv 0 +1 0\nf 1 2 3\n' >signs.obj
+	printf "$triangle_of"'f 1 2 4\n' >beyond.obj
+	printf "$triangle_of"'f 0 1 2\n' >zeroth.obj
+	printf 'v 1000000 1000000 0\nv 1000001 1000000 0\nv 1000000 1000001 0\nf 1 2 3\n' >far.obj
+}
+{ printf '%s\n' ply 'format binary_big_endian 1.0' 'obj_info made by hand' 'element vertex 3' 'property float x' 'property float y' \
+	'property float z' 'element face 1' 'property list uchar int vertex_index' end_header
+packed 'f>9' 0 0 0 1 0 0 0 1 0; packed 'Cl>3' 3 0 1 2; } >big.ply
+{ packed 'A80 L<' 'solid made by a program' 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 0; } >solid.stl
+values=$({ packed 'f<9 S<3 x2' 0 0 0 1 0 0 0 9 0 0 1 2; packed 'S< x2 f<3' 2 0 1 0; } | base64 -w 0)
+cat >sparse.gltf <<END
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+"materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0], "sparse":
+{"count": 1, "indices": {"bufferView": 2, "componentType": 5123}, "values": {"bufferView": 3}}},
+{"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6},
+{"buffer": 0, "byteOffset": 44, "byteLength": 2}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+"buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,$values"}]}
+END
+sed 's/"asset"/"extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"], &/
+	s/"indices": 1,/&"extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}},/' sparse.gltf >draco.gltf
+while IFS='|' read -r name wanted; do
+	run mesh2nff "$name"
+	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
+done <<'END'
+crlf.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+marked.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+continued.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+blanks.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+negative.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+slashes.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+unended.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+groups.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+signs.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+far.obj|0:f 1 1 1 1 0 0 0 1;p 3 1000000 1000000 0 1000001 1000000 0 1000000 1000001 0;
+big.ply|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+solid.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+sparse.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+beyond.obj|2:mesh2nff: beyond.obj: libassimp: OBJ: vertex index out of range, expected a mesh in one of its formats
+zeroth.obj|2:mesh2nff: zeroth.obj: libassimp: OBJ: Invalid face index, expected a mesh in one of its formats
+END
+run mesh2nff draco.gltf
+like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
+run sh -c 'mesh2nff - <marked.obj'
+is 'a mark on standard input' "$status:$err$(faces | tail -n 1)" '0:p 3 0 0 0 1 0 0 0 1 0'
 
 # ---- refused -------------------------------------------------------------------------------------------------
 # refused FILE WHY: exit 2 with one line, nothing on standard output
@@ -414,6 +486,10 @@ is 'but not the words in a comment, nor no strips' "$status:$err:$(faces | tail 
 printf 'v %s\n' '0 0 0' '1 1 1' '2 2 2' >line.obj
 echo 'f 1 2 3' >>line.obj
 refused line.obj 'line.obj: has no usable face with an area, expected one at least$'
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\n' >points.obj
+refused points.obj 'points.obj: has 1 points and 1 lines but no face with an area, expected one: points and lines are not rendered$'
+echo '# nothing' >comment.obj
+refused comment.obj 'comment.obj: an OBJ without faces, expected one at least$'
 printf 'v %s\n' '0 0 0' '1e-13 0 0' '0 1e-13 0' >tiny.obj
 echo 'f 1 2 3' >>tiny.obj
 refused tiny.obj 'tiny.obj: extends over 1.41421e-13, expected at least 1e-12$'

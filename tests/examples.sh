@@ -45,6 +45,7 @@ lacking() {
 		coastlines /usr/share/gmt-gshhg
 		nc2vtk nc2vtk
 		grib2vtk grib2vtk
+		vol2vtk vol2vtk
 		mesh2nff mesh2nff
 		glmark2 /usr/share/glmark2/models
 		ncdump ncdump

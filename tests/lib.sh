@@ -10,10 +10,10 @@ cd "$tmp" || exit 3
 export XDG_CACHE_HOME=/dev/null # hosts keep no state, unless a test names a directory
 tap_n=0 tap_failed=0
 
-# Tests run the programs of the clone, never installed copies. Five programs need a library that may be missing.
+# Tests run the programs of the clone, never installed copies. Six programs need a library that may be missing.
 for tap_source in "$root"/bin/*.c; do
 	tap_program=${tap_source##*/} tap_program=${tap_program%.c}
-	case $tap_program in nc2vtk | grib2vtk | mesh2nff | stormview | tsvstat) continue ;; esac
+	case $tap_program in nc2vtk | grib2vtk | mesh2nff | stormview | tsvstat | vol2vtk) continue ;; esac
 	[ -x "$BIN/$tap_program" ] || { echo "Bail out! $tap_program is not built, expected \`make\` first"; exit 3; }
 done
 

@@ -17,6 +17,11 @@ bool cf_look(struct cf_file *c, char err[ERR_BYTES]);
 
 /* False with the reason in err if a classic NetCDF file is cut or its header is damaged. */
 bool cf_is_whole(const char *path, char err[ERR_BYTES]);
+/* A directory is a Zarr store, which libnetcdf opens by this URL. False with a message in err if
+ * its path has characters that mean something in a URL. (zarr.c) */
+bool cf_zarr_url(const char *path, struct buf *url, char err[ERR_BYTES]);
+/* False with a message in err if an array of the open store, in this group or below, is packed. */
+bool cf_zarr_check(int id, const char *store, char err[ERR_BYTES]);
 
 /* The text of an attribute, or its first string; "" if there is none. The caller frees the whole
  * text. */

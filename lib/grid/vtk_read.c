@@ -48,7 +48,10 @@ static bool read_head(struct vtk_reader *r, struct grid *g)
     read_title(r, g->title);
     r->binary = vtk_take(r, "BINARY");
     if (!r->binary && !vtk_take(r, "ASCII")) return vtk_fail_word(r, "form", "ASCII or BINARY");
-    return vtk_expect(r, "third part", "DATASET") && vtk_expect(r, "dataset", "RECTILINEAR_GRID");
+    return vtk_expect(r, "third part", "DATASET") &&
+           (vtk_take(r, "RECTILINEAR_GRID") ||
+               vtk_fail_word(
+                   r, "dataset", "RECTILINEAR_GRID; vol2vtk makes one of STRUCTURED_POINTS"));
 }
 
 /* Skips FIELD arrays that belong to the whole file, such as its time, except those of a brick. */
@@ -148,7 +151,7 @@ static bool read_scalar_head(
                vtk_name(r, g->name) && vtk_count(r, "number of components", 1, 1, &n) &&
                vtk_count(r, "number of tuples", nodes, nodes, &n) && vtk_type(r, t);
     if (vtk_next_is(r, "VECTORS"))
-        return vtk_fail(r, "VECTORS, expected SCALARS, such as one component or the length");
+        return vtk_fail(r, "VECTORS, expected SCALARS; vol2vtk -k takes a component or the length");
     if (!vtk_take(r, "SCALARS")) return vtk_fail_word(r, "first word of the point data", "SCALARS");
     if (!vtk_name(r, g->name) || !vtk_type(r, t)) return false;
     if (!vtk_next_is(r, "LOOKUP_TABLE") && !vtk_count(r, "number of components", 1, 1, &n))
@@ -197,7 +200,8 @@ bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t)
 {
     uint64_t nodes = 0, n = 0;
     return read_head(r, g) && read_geometry(r, g, &nodes) &&
-           vtk_expect(r, "word after the coordinates", "POINT_DATA") &&
+           (vtk_take(r, "POINT_DATA") || vtk_fail_word(r, "word after the coordinates",
+                                             "POINT_DATA; vol2vtk moves CELL_DATA")) &&
            vtk_count(r, "number of point data", nodes, nodes, &n) &&
            read_scalar_head(r, nodes, g, t) && vtk_begin_numbers(r, "values", *t, nodes);
 }
@@ -205,8 +209,8 @@ bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t)
 bool vtk_tail(struct vtk_reader *r)
 {
     vtk_skip_metadata(r);
-    return !vtk_peek(r) ||
-           vtk_fail_word(r, "word after the values", "one scalar and the file's end");
+    return !vtk_peek(r) || vtk_fail_word(r, "word after the values",
+                               "one scalar and the file's end; vol2vtk takes one");
 }
 
 static bool read_one(struct vtk_reader *r, struct grid *g)

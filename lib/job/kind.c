@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define TO_VTK "no program here reads it; convert it to a VTK legacy file of a rectilinear grid"
+#define TO_VTK "vol2vtk makes a grid of it"
 #define TO_NFF "mesh2nff makes a scene of it"
 #define BLENDER "of Blender export glTF, and mesh2nff makes a scene of it"
 
@@ -17,7 +17,9 @@ struct foreign {
     const char *is, *remedy;
 };
 static const struct foreign obj = {"an OBJ mesh", TO_NFF}, stl = {"an STL mesh", TO_NFF},
-                            vtk = {"a VTK XML file", TO_VTK}, collada = {"a Collada scene", TO_NFF},
+                            vtk = {"a VTK XML file",
+                                "vol2vtk makes a grid of an image or a rectilinear grid"},
+                            collada = {"a Collada scene", TO_NFF},
                             xml = {"an XML file", "no program here reads it"};
 
 static const struct row {
@@ -32,6 +34,8 @@ static const struct row {
     {BYTES("\211HDF\r\n\032\n"), {"an HDF5 file", "nc2vtk makes a grid of a variable of NetCDF 4"}},
     {BYTES("GRIB"), {"a GRIB file", "grib2vtk makes a grid of a field"}},
     {BYTES("NRRD000"), {"a NRRD volume", TO_VTK}},
+    {BYTES("\0\0\1\134"), {"a NIfTI volume", TO_VTK}},
+    {BYTES("\134\1\0\0"), {"a NIfTI volume", TO_VTK}},
     {BYTES("ObjectType"), {"a MetaImage volume", TO_VTK}},
     {BYTES("NDims"), {"a MetaImage volume", TO_VTK}},
     {BYTES("\211PNG\r\n\032\n"), {"a PNG picture", "blend and album read pictures"}},
@@ -40,7 +44,8 @@ static const struct row {
     {BYTES("ply\n"), {"a PLY mesh", TO_NFF}},
     {BYTES("ply\r"), {"a PLY mesh", TO_NFF}},
     {BYTES("BLENDER"), {"a file of Blender", BLENDER}},
-    {BYTES("\037\213"), {"a file that gzip has packed", "unpack it by gunzip; " BLENDER}},
+    {BYTES("\037\213"), {"a file that gzip has packed",
+                            "vol2vtk makes a grid of NIfTI; unpack others by gunzip; " BLENDER}},
     {BYTES("\050\265\057\375"), {"a file that zstd has packed", "unpack it by unzstd; " BLENDER}},
 #undef BYTES
 };

@@ -73,6 +73,25 @@ static enum normals normals(
     return kind;
 }
 
+/* A component in steps; 1 if it is no number. */
+static double stepped(double c)
+{
+    c = isnan(c) ? 1 : fmin(fmax(c, 0), 1);
+    return rint(c * MESH_COLOUR_STEPS) / MESH_COLOUR_STEPS;
+}
+
+/* NFF has one colour for a face: the mean of its corners. */
+static struct vec3 colour(const struct mesh_part *p, const struct aiFace *f)
+{
+    struct vec3 sum = v3(0, 0, 0);
+    for (unsigned i = 0; i < f->mNumIndices; i++) {
+        const struct aiColor4D *c = &p->mesh->mColors[0][f->mIndices[i]];
+        sum = v3_add(sum, v3((double)c->r, (double)c->g, (double)c->b));
+    }
+    sum = v3_scale(sum, 1. / f->mNumIndices);
+    return v3(stepped(sum.x), stepped(sum.y), stepped(sum.z));
+}
+
 static void count(struct mesh_loss *loss, enum mesh_loss_kind kind)
 {
     if (loss) loss[kind].n++;
@@ -99,8 +118,12 @@ static bool make(const struct mesh_part *p, const struct aiFace *f, struct mesh_
     normal = v3_scale(normal, 1 / length);
     enum normals kind = normals(p, f, normal, s);
     if (kind == NORMALS_BAD) count(loss, LOSS_BAD_NORMALS);
-    *out = (struct mesh_face){
-        f->mNumIndices, s->v, kind == NORMALS_BENT ? s->normal : NULL, normal, 0};
+    *out = (struct mesh_face){.n = f->mNumIndices,
+        .v = s->v,
+        .normals = kind == NORMALS_BENT ? s->normal : NULL,
+        .normal = normal,
+        .coloured = p->mesh->mColors[0] != NULL};
+    if (out->coloured) out->colour = colour(p, f);
     return true;
 }
 

@@ -25,6 +25,8 @@ static bool refused(char err[ERR_BYTES])
     const char *why = aiGetErrorString();
     int n = (int)strcspn(why, "\n");
     if (n && why[n - 1] == '.') n--;
+    if (strstr(why, "OBJ-file is too small"))
+        return err_set(err, "an OBJ without faces, expected one at least");
     return err_set(err, "libassimp: %.*s, expected a mesh in one of its formats", n < 150 ? n : 150,
         n ? why : "no reason is given");
 }
@@ -92,6 +94,8 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     if (n > BYTES_MAX) return too_large(err);
     if (!is_readable(fmemopen(b->data + b->off, n, "rb"), err)) return false;
     const unsigned char *data = buf_data(b);
+    const size_t marked = mesh_bytes_marked(data, n);
+    data += marked, n -= marked;
     m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
     return m->scene || refused(err);
 }
@@ -114,9 +118,10 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (is_stdin || !(S_ISREG(st.st_mode) || S_ISDIR(st.st_mode)))
         return import_stream(path, m, err);
     if (S_ISDIR(st.st_mode)) return err_set(err, "%s", strerror(EISDIR));
+    if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
     if (!is_readable(fopen(path, "rb"), err)) return false;
-    m->scene = aiImportFile(path, 0);
+    m->scene = mesh_file_marked(path) ? mesh_import_unmarked(path) : aiImportFile(path, 0);
     return m->scene || refused(err);
 }
 
@@ -144,6 +149,12 @@ static bool measure(struct mesh *m, char err[ERR_BYTES])
     struct extent e = {v3(HUGE_VAL, HUGE_VAL, HUGE_VAL), v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), 0, 0};
     mesh_faces_each(m, m->loss, include, &e);
     m->lo = e.lo, m->hi = e.hi;
+    const uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
+    if (!e.faces && points + lines)
+        return err_set(err,
+            "has %llu points and %llu lines but no face with an area, expected one: "
+            "points and lines are not rendered",
+            (unsigned long long)points, (unsigned long long)lines);
     if (!e.faces) return err_set(err, "has no usable face with an area, expected one at least");
     if (e.corners > CORNERS_IN_ALL)
         return err_set(err, "%llu corners of faces, expected at most %u",

@@ -110,10 +110,20 @@ struct mesh_face {
     const struct vec3 *normals; /* unit; NULL: the face is flat */
     struct vec3 normal;         /* unit, of its plane (Newell) */
     uint32_t material;
+    bool coloured;      /* the corners have colours */
+    struct vec3 colour; /* their mean, in steps of 1 / MESH_COLOUR_STEPS */
 };
+#define MESH_COLOUR_STEPS 31
 /* Calls f with every usable face. Counts the others in loss, unless that is NULL. */
 void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
     void (*f)(void *ctx, const struct mesh_face *face), void *ctx);
+
+/* UTF-8 text may begin with a byte order mark, which libassimp takes for part of the first word:
+ * its length, 3 or 0. (mark.c) */
+size_t mesh_bytes_marked(const unsigned char *data, size_t n);
+bool mesh_file_marked(const char *path);
+/* aiImportFile of a file with such a mark, which is passed over. */
+const struct aiScene *mesh_import_unmarked(const char *path);
 
 /* Fills the materials. */
 void mesh_materials_find(struct mesh *m);

@@ -12,7 +12,8 @@ struct out {
     size_t n;
     char text[ROOM];
     const struct mesh *m;
-    uint32_t material; /* of the last `f` */
+    uint32_t material;  /* of the last `f` */
+    struct vec3 colour; /* that its own was multiplied by */
 };
 
 static void flush(struct out *o)
@@ -127,13 +128,25 @@ static void put_cut(struct out *o, const struct mesh_face *face)
     free(t);
 }
 
+/* Writes the material of a face, if it is not that of the face before. */
+static void put_material_of(struct out *o, const struct mesh_face *face)
+{
+    static const struct material plain = {.r = 1, .g = 1, .b = 1, .kd = 1, .ior = 1};
+    const struct vec3 c = face->coloured ? face->colour : v3(1, 1, 1), last = o->colour;
+    if (face->material == o->material && c.x == last.x && c.y == last.y && c.z == last.z) return;
+    const bool known = face->material < o->m->scene->mNumMaterials;
+    struct material m = known ? o->m->materials[face->material] : plain;
+    m.r *= c.x, m.g *= c.y, m.b *= c.z;
+    if (known || face->coloured) put_material(o, &m);
+    o->material = face->material;
+    o->colour = c;
+}
+
 static void put_face(void *ctx, const struct mesh_face *face)
 {
     struct out *o = ctx;
     if (o->n > ROOM - LINE_MAX_BYTES) flush(o);
-    if (face->material != o->material && face->material < o->m->scene->mNumMaterials)
-        put_material(o, &o->m->materials[face->material]);
-    o->material = face->material;
+    put_material_of(o, face);
     if (!face->normals || face->n == 3 || (face->n == 4 && is_convex(face))) put_whole(o, face);
     else put_cut(o, face);
 }
@@ -141,7 +154,7 @@ static void put_face(void *ctx, const struct mesh_face *face)
 void mesh_write(const struct mesh *m, FILE *f)
 {
     struct out *o = xcalloc(1, sizeof *o);
-    o->f = f, o->m = m, o->material = UINT32_MAX;
+    o->f = f, o->m = m, o->material = UINT32_MAX, o->colour = v3(1, 1, 1);
     put_view(o, &m->view);
     for (uint32_t i = 0; i < m->n_lights; i++) {
         put_light(o, &m->lights[i]);

@@ -307,6 +307,37 @@ static void put_stretch(struct buf *out, const struct frame *f, const struct gri
     }
 }
 
+/* ---- computed tomography --------------------------------------------------------------------- */
+
+/* In Hounsfield units (G. N. Hounsfield, "Computerized transverse axial scanning", British Journal
+ * of Radiology, 1973) air is -1000 and water 0. Air is not seen, tissue is haze, and bone, which
+ * begins near 300, has a surface. */
+static const struct {
+    int hu;
+    double r, g, b, depth; /* depth: optical, of the mean chord */
+    const char *what;
+} tissues[] = {{-300, .8, .45, .35, 0, "air ends"}, {-50, .85, .5, .4, .4, "fat"},
+    {100, .75, .2, .15, .8, "soft tissue"}, {300, 1, .95, .85, 4, "bone begins"},
+    {3000, 1, 1, .95, 40, "metal"}};
+
+static bool is_tomogram(const struct grid *g)
+{
+    struct grid_named scalar;
+    return grid_title(g->title, 0, &scalar) && strcasecmp(scalar.unit, "HU") == 0;
+}
+
+static void put_tissues(struct buf *out, const struct frame *f, double chord)
+{
+    const double size = v3_len(v3_sub(f->hi, f->lo));
+    buf_printf(
+        out, "# Hounsfield units: air is transparent, tissue is haze, bone has a surface.\n");
+    put_place(out, "light", v3_add(f->from, v3(0, 0, size)), f->step);
+    buf_printf(out, "iso 300 1 0.95 0.85 1\n");
+    for (size_t i = 0; i < sizeof tissues / sizeof *tissues; i++)
+        buf_printf(out, "map %d %g %g %g %.3g\t# %s\n", tissues[i].hu, tissues[i].r, tissues[i].g,
+            tissues[i].b, tissues[i].depth / chord, tissues[i].what);
+}
+
 bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_t h,
     struct buf *out, char err[ERR_BYTES])
 {
@@ -336,7 +367,9 @@ bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_
     put_stretch(out, &f, unit);
     buf_printf(out, "scale %.6g %.6g %.6g\n", f.scale[0], f.scale[1], f.scale[2]);
     buf_printf(out, "# Without this line the picture is transparent, for a map: backdrop(1)\n");
-    buf_printf(out, "background .02 .02 .025\npalette %s\n", palette);
+    buf_printf(out, "background .02 .02 .025\n");
+    if (is_tomogram(g)) return put_tissues(out, &f, chord), true;
+    buf_printf(out, "palette %s\n", palette);
     buf_printf(out, "# Each tenth of the values has a colour and an extinction%s.\n",
         v.ground ? "; the least value, which many nodes have, is transparent" : "");
     put_map(out, &v, &m, chord);

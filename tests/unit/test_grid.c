@@ -189,7 +189,8 @@ static void test_refused(void **state)
         {"<?xml version=\"1.0\"?>", "t:1: no VTK legacy file"},
         {"# vtk DataFile Version 3.0\nx\nTEXT\n", "t:3: form is 'TEXT', expected ASCII or BINARY"},
         {"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n",
-            "t:4: dataset is 'STRUCTURED_POINTS', expected RECTILINEAR_GRID"},
+            "t:4: dataset is 'STRUCTURED_POINTS', expected RECTILINEAR_GRID; "
+            "vol2vtk makes one of STRUCTURED_POINTS"},
         {HEAD "DIMENSIONS 2 1 2\n", "t:5: nodes along y is '1', expected an integer from 2"},
         {HEAD "DIMENSIONS 2 -2 2\n", "t:5: nodes along y is '-2'"},
         {HEAD "DIMENSIONS 2147483647 2147483647 2147483647\n", "too short for its DIMENSIONS"},
@@ -238,7 +239,8 @@ static void test_refused(void **state)
         {CUBE "POINT_DATA 8\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3 9.97e36 5 6 7 8\n",
             "values: 9.97e+36, expected numbers from -1e+18 to 1e+18, and nan for missing ones"},
         {CUBE "POINT_DATA 8\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8 9\n",
-            "t:13: word after the values is '9', expected one scalar and the file's end"},
+            "t:13: word after the values is '9', expected one scalar and the file's end; "
+            "vol2vtk takes one"},
         {CUBE "POINT_DATA 8\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8\nSCALARS w int",
             "t:14: word after the values is 'SCALARS'"},
     };
