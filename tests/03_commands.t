@@ -32,8 +32,8 @@ like 'make fresh: an ordinary user reads that only root can try it' "$status $er
 plain=$(mktemp -d /tmp/commands.XXXXXX) && other=$plain/other || exit 3
 trap 'rm -rf "$tmp" "$plain"' EXIT
 mkdir include
-mkdir include/gsl include/assimp include/pango
-for header in stdio png zlib zstd archive udunits2 eccodes expat gsl/gsl_cdf assimp/cimport pango/pangocairo; do : >include/$header.h; done
+mkdir include/gsl include/assimp include/pango include/SDL2
+for header in stdio png zlib zstd archive udunits2 eccodes expat gsl/gsl_cdf assimp/cimport pango/pangocairo SDL2/SDL; do : >include/$header.h; done
 cat >"$plain/cc" <<END
 #!/bin/sh
 output='' before=''

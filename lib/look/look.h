@@ -1,7 +1,7 @@
 /*
  * look: a picture that follows a camera. A view is one picture: a frame number and its size. Its
  * pixels are asked for as tasks, in passes from coarse to fine, and each pixel once. When the view
- * changes, nothing more of the old one is asked, and what still comes of it is dropped. So a
+ * changes, nothing more of the old one is asked, and its late pixels are dropped. So a
  * picture on the screen is of one view only.
  *
  * Call order: look_init; look_slots, when the command says how many it has; look_view for each
@@ -87,7 +87,7 @@ struct lattice look_pass(int pass, uint32_t w, uint32_t h);
 
 /* ---- moves of a camera (move.c) ---------------------------------------------------------------
  *
- * dx and dy are parts of the frame's height, to the right and down. What is moved seems to follow
+ * dx and dy are parts of the frame's height, to the right and down. The subject seems to follow
  * the pointer. The caller checks that the result is a view: a number may get too large.
  */
 struct look_camera {

@@ -66,7 +66,7 @@ void spec_write(const struct spec *s, struct buf *out)
 
 /* ---- other colours --------------------------------------------------------------------------- */
 
-#define ALIKE 1e-9 /* of colours that are the same but for rounding */
+#define ALIKE 1e-9 /* of colours that differ by rounding only */
 
 /* The place of the colour in the palette; negative: it is not there. */
 static double place_of(const double rgb[3], const double palette[SPEC_PALETTE_POINTS][3])

@@ -51,7 +51,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Median and 95th percentile: the least value that so many of 100 do not exceed. */
+/* Median and 95th percentile: the least value that 50 or 95 of 100 do not exceed. */
 static void put_ranks(struct buf *out, const char *name, const struct buf *of)
 {
     const size_t n = buf_size(of) / sizeof(double);
