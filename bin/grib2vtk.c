@@ -33,15 +33,16 @@ struct source {
 static void choose(struct options *o, char *text)
 {
     for (char *word, *rest = text; (word = text_part(&rest, ',')) != NULL;) {
-        char *equals = strchr(word, '=');
+        const size_t n = strcspn(word, "=");
         if (o->n_where == WHERE_MOST) die(ST_USAGE, "-w: expected %d keys at most", WHERE_MOST);
-        if (!equals || equals == word || !equals[1])
+        if (!n || !word[n] || !word[n + 1])
             die(ST_USAGE, "-w %s: expected KEY=VALUE, KEY=mean or KEY=spread", word);
-        *equals = '\0';
-        const enum convert_over over = convert_over_of(equals + 1);
+        word[n] = '\0';
+        const char *value = word + n + 1;
+        const enum convert_over over = convert_over_of(value);
         if (over && o->over) die(ST_USAGE, "-w %s: expected mean or spread once", word);
         if (over) o->over = over;
-        o->where[o->n_where++] = (struct gb_where){word, equals + 1, over != CONVERT_ONE};
+        o->where[o->n_where++] = (struct gb_where){word, value, over != CONVERT_ONE};
     }
 }
 
