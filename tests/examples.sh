@@ -52,6 +52,7 @@ lacking() {
 		ncarg /usr/share/ncarg/data
 		ferret-vis /usr/share/ferret-vis/data
 		jq jq
+		proj proj
 		ffmpeg ffmpeg
 	END
 	return 1
