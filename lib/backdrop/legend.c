@@ -21,7 +21,7 @@ static void patch(const struct drawing *s, double x0, double x1, double y0, doub
 
 struct bar {
     double x, y, w, h, lo, hi; /* place in pixels; values at the ends */
-    double *even;              /* so many values have even distances; NULL: the bar is linear */
+    double *even;              /* n_even values at even distances; NULL: the bar is linear */
     size_t n_even;
 };
 

@@ -1,6 +1,4 @@
-/*
- * starter: a specification for a grid that shows all of it. look.c chooses how the values are seen.
- */
+/* starter: a specification for all of a grid; look.c chooses the lines for the values. */
 #include "geometry/geometry.h"
 #include "spec/starter.h"
 
