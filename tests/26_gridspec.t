@@ -95,7 +95,7 @@ is 'and the map is blue below, red above' "$(awk '$1 == "palette" { print $2 } $
 	'vik,-4 0,4 1,'
 fits falls >falls.at
 like 'it is visible' "$(cat falls.at)" '^[0-9]+ [0-9]+ [0-9]+ [0-9]+$'
-awk '/^LOOKUP/ { on = 1; print; next } on { $0 = $0 - 300 + 9 * int(n++ / 81) } { print }' falls.vtk >less.vtk
+awk '/^LOOKUP/ { on = 1; print; next } on { $0 = $0 - 300 + 9 * int(n / 81); n++ } { print }' falls.vtk >less.vtk
 partition 90x60 | vcworker falls.vtk falls.spec | gather -o falls.pam
 grep -v ^profile falls.spec >less.spec
 partition 90x60 | vcworker less.vtk less.spec | gather -o less.pam
