@@ -77,6 +77,7 @@ FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
+LIBS_album = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_test_heights = $(LIBS_units)
 LIBS_test_expression = $(LIBS_units)

@@ -234,6 +234,8 @@ static void read_both(const struct options *o, struct grid *g, struct spec *s)
     if (grid_load(o->grid, g, err) != 0 || spec_load(o->spec, s, err) != 0)
         die(ST_USAGE, "%s", err);
     if (g->brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o->grid);
+    float *deviation = spec_deviation(s, g);
+    if (deviation) free(g->value), g->value = deviation;
     for (int a = 0; a < 3; a++)
         if (g->n[a] > NODES_MAX)
             die(ST_USAGE, "%s: %u nodes along %c, expected at most %d", o->grid, g->n[a], "xyz"[a],

@@ -20,6 +20,7 @@ struct options {
     bool inspect;       /* -i: what the files mean; else their state */
     bool one;           /* -1: one picture is expected */
     bool map;           /* -m: the pictures will be put over maps */
+    bool transparent;   /* with -m: some specification has a background */
     const char *frames; /* -e: a file, as -i prints them */
     char *kept;         /* -k: a file for what -i reads only once, or makes */
     char *size;         /* -s; NULL: that of the file */
@@ -69,8 +70,7 @@ static void put_starter(const struct options *o, struct buf *text)
     char err[ERR_BYTES];
     int w = 0, h = 0;
     if (o->size) parse_size(o->size, FRAME_SIDE_MAX, &w, &h);
-    if (!job_starter(*o->job.path, (uint32_t)w, (uint32_t)h, o->map, text, err))
-        die(ST_USAGE, "%s", err);
+    if (!job_starter(*o->job.path, (uint32_t)w, (uint32_t)h, text, err)) die(ST_USAGE, "%s", err);
 }
 
 /* ---- state ---------------------------------------------------------------------------------- */
@@ -141,19 +141,18 @@ static void write_state(const struct options *o)
 
 /* ---- -i ------------------------------------------------------------------------------------- */
 
-/* A map under a picture with a background is not seen. The worker says later if a specification is
- * wrong. */
-static void check_map(const struct options *o)
+/* A map under a picture with a background is not seen: the worker leaves it out. It says later if a
+ * specification is wrong. */
+static void check_map(struct options *o)
 {
     const struct job *j = &o->job;
     char err[ERR_BYTES];
     struct spec s;
     if (j->what != JOB_GRIDS) die(ST_USAGE, "-m: expected grids, whose title says where they are");
+    o->transparent = j->starter;
     for (size_t i = j->subjects; i < j->n; i++) {
         if (spec_load(j->path[i], &s, err) != 0) continue;
-        if (s.backed)
-            die(ST_USAGE, "%s: has a background, which hides the map, expected none with -m",
-                j->path[i]);
+        o->transparent = o->transparent || s.backed;
         spec_free(&s);
     }
 }
@@ -237,11 +236,12 @@ static int take_lines(struct job_frames *f, struct buf *said)
 /* Asks the worker for the frames of scene or grid `at`; of POV-Ray, for all. */
 static void ask(const struct options *o, int in, size_t at, struct job_frames *f)
 {
-    static char inspect[] = "-i", size[] = "-s";
-    char **first = xcalloc(o->n_words + 3, sizeof *first);
+    static char inspect[] = "-i", transparent[] = "-t", size[] = "-s";
+    char **first = xcalloc(o->n_words + 4, sizeof *first);
     size_t n = 0;
     struct buf said = {0};
     first[n++] = inspect;
+    if (o->transparent) first[n++] = transparent;
     for (size_t i = 0; i < o->n_words; i++) first[n++] = o->words[i];
     if (o->size) first[n++] = size, first[n++] = o->size;
     char **words = command(o, first, n, at);
@@ -294,7 +294,7 @@ static void print_inputs(const struct options *o, int null)
     free(words);
 }
 
-static void inspect(const struct options *o)
+static void inspect(struct options *o)
 {
     const struct job *j = &o->job;
     struct job_frames f = {.n = 0};
@@ -303,7 +303,7 @@ static void inspect(const struct options *o)
     int in = keep(o);
     for (size_t at = 0; at < j->subjects || !at; at++) ask(o, in, at, &f);
     check_one(o, f.n);
-    printf("worker %s\nstates %zu\n", o->program, job_states(j));
+    printf("worker %s%s\nstates %zu\n", o->program, o->transparent ? " -t" : "", job_states(j));
     put_stdout_buf(&f.text);
     print_inputs(o, in);
     buf_free(&f.text);

@@ -15,6 +15,7 @@
 
 struct options {
     struct volume_options volume;
+    bool transparent; /* -t: without the backgrounds of specifications */
     struct worker_options worker;
     struct worker_words words;         /* the options, for job hashes and `with=` */
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
@@ -37,8 +38,10 @@ static int grid_of(
 static int spec_of(
     const void *options, const char *name, unsigned char *text, size_t n, void *spec, char *err)
 {
-    (void)options;
-    return spec_read(name, (const char *)text, n, spec, err);
+    struct spec *s = spec;
+    if (spec_read(name, (const char *)text, n, s, err) != 0) return -1;
+    if (((const struct options *)options)->transparent) s->backed = false;
+    return 0;
 }
 
 /* As float; fewer bytes than values are a mistake, which reading names. */
@@ -58,7 +61,7 @@ static bool check(void *const value[], char err[WORKER_ERR])
 
 static void *build(const void *options, void *const value[])
 {
-    return volume_new(value[GRID], value[SPEC], options);
+    return volume_new(value[GRID], value[SPEC], &((const struct options *)options)->volume);
 }
 
 static void free_volume(void *v) { volume_free(v); }
@@ -132,22 +135,23 @@ static void describe(struct options *o)
     char method[VOLUME_METHOD];
     bool usual = volume_method_print(v, method);
     snprintf(w->with, sizeof w->with, usual ? "vcworker" : "vcworker,-m%s", method);
-    snprintf(w->job, sizeof w->job, "vc %d method=%d tolerance=%.17g n=%d", FORMAT_VERSION,
-        (int)v->method, v->tolerance, v->n);
+    snprintf(w->job, sizeof w->job, "vc %d method=%d tolerance=%.17g n=%d%s", FORMAT_VERSION,
+        (int)v->method, v->tolerance, v->n, o->transparent ? " transparent" : "");
 }
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-ch] [-f PIXELS] [-j SLOTS] [-m METHOD] [-x sse2|avx2|avx512]\n"
-                               "                [GRID.vtk|- SPEC|-]\n"
-                               "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
-                               "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
-                               "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
+    static const char text[] =
+        "[-cht] [-f PIXELS] [-j SLOTS] [-m METHOD] [-x sse2|avx2|avx512]\n"
+        "                [GRID.vtk|- SPEC|-]\n"
+        "       vcworker -i [-t] [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
+        "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
+        "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
     char err[ERR_BYTES];
-    for (int opt; (opt = prog_getopt(argc, argv, "+hij:m:ns:x:" WORKER_OPTIONS)) != -1;) {
+    for (int opt; (opt = prog_getopt(argc, argv, "+hij:m:ns:tx:" WORKER_OPTIONS)) != -1;) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'i':
@@ -160,6 +164,7 @@ static struct options parse(int argc, char **argv)
                 die(ST_USAGE, "-m %s: expected %s", optarg, err);
             break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
+        case 't': o.transparent = true; break;
         case 'x': o.volume.isa = opt_isa(opt, optarg); break;
         default:
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
@@ -280,7 +285,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     if (o.what != RUN) check_files(&o);
-    struct worker_states *s = worker_states_new(&renderer, &o.volume, &o.words);
+    struct worker_states *s = worker_states_new(&renderer, &o, &o.words);
     if (o.what != RUN || strcmp(o.grid, "-") != 0) worker_states_load(s, GRID, o.grid);
     if (o.what != RUN || strcmp(*o.specs, "-") != 0) worker_states_load(s, SPEC, *o.specs);
     int status = ST_OK;

@@ -168,6 +168,11 @@ like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [
 { grep -v '^map' wall.spec; printf '%s\n' 'map 1013250 1 0 0 1' 'map 1013256 0 1 0 1'; } >precise.spec
 like 'values of the legend have all their digits' "$(backdrop wall.vtk precise.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
 	',1013250,1013252,1013254,1013256,'
+{ grep -v '^map' wall.spec; printf 'map %s 1 0 0 1\n' 4 33.8 34.125 34.5 35 41 97; } >crowded.spec
+like 'a legend with crowded values has intervals of one length' "$(backdrop wall.vtk crowded.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
+	',4,33.8,34.1,34.5,35,41,97,'
+{ grep -v '^map' wall.spec; printf 'profile 0 20\n'; printf 'map %s 1 0 0 1\n' 0 9; } >deviation.spec
+like 'with a profile, the title is a deviation' "$(backdrop wall.vtk deviation.spec)" "^set label 'deviation of "
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
 	'^0 m,4 m,.*,42 m,.*,-1000 m,.*,T, K,$'
 for x in 'grid_longitude [degrees]; y grid_latitude [degrees]' 'rlon [degrees]; y rlat [degrees]'; do
@@ -364,7 +369,10 @@ tr '\n' '\r' <dark.spec >return.spec
 ok 'balance -m none: on a rotated sphere' balance adaptive -j 2 -m none: -o rotated.png rotated.vtk wall.spec
 run balance adaptive -j 2 -m coasts: -o no.png rotated.vtk wall.spec
 like 'it has no coasts' "$status:$err" '^2:backdrop: .*/coasts:1: longitudes and latitudes, which x and y of the grid are not, '
-for bad in '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' '-m line hour0.vtk return.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
+ok 'balance -m leaves a background out' balance adaptive -j 2 -m line -k 16 -o dark%d.png hour0.vtk dark.spec return.spec
+ok 'as if it were not there' imgcmp -q dark0.png b0.png
+ok 'also with another end of lines' imgcmp -q dark1.png b0.png
+for bad in '-m coasts hour0.vtk wall.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
 	# shellcheck disable=SC2086
 	run balance adaptive -o no.png $bad
 	is "refused: balance $bad" "$status:$out$(ls no.png 2>/dev/null)" 2:

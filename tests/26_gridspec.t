@@ -73,7 +73,7 @@ like 'missing values are counted' "$(cat half.spec)" '^# s: 0 to 8 .*, 44.4 % mi
 
 # 729 values from 0 to 728: each tenth has 73 of them.
 grid ramp 1 1 1 's = i + 9 * (j + 9 * k)'
-gridspec ramp.vtk >ramp.spec
+gridspec -k fog ramp.vtk >ramp.spec
 is 'knots are at the quantiles' "$(awk '$1 == "map" { printf "%s ", $2 }' ramp.spec)" \
 	'0 72 72 145 145 218 218 291 291 364 364 436 436 509 509 582 582 655 655 706 706 728 '
 is 'extinction ascends with the value' "$(awk '$1 == "map" { if ($4 < k) bad = NR; k = $4 } END { print bad + 0 }' ramp.spec)" 0
@@ -81,9 +81,33 @@ grid rain 1 1 1 's = i > 5 && j > 5 ? i * j - 30 + k : 0'
 gridspec rain.vtk >rain.spec
 is 'the value of most nodes is transparent' "$(awk '$1 == "map" { print $2, $4; exit }' rain.spec)" '0 0'
 is 'quantiles are those of the others' "$(awk '$1 == "map" { n++ } END { print (n > 10) }' rain.spec)" 1
-gridspec -p batlow - <ramp.vtk | diff ramp.spec - >batlow.diff
+gridspec -k fog -p batlow - <ramp.vtk | diff ramp.spec - >batlow.diff
 is '-p names the palette, and standard input is a grid' "$(grep '^[<>]' batlow.diff | tr '\n' ' ')" '< palette viridis > palette batlow '
 is 'the least values come first' "$(gridspec negative.vtk | awk '$1 == "map" { print $2; exit }')" -72
+
+# ---- kinds -------------------------------------------------------------------------------------------------------
+# A field that falls with height is drawn as its deviation from the mean of each level.
+grid falls 1 1 1 's = 300 - 9 * k + i - 4' 'T [K]; x x [m]; y y [m]; z z [m]'
+gridspec -s 90x60 falls.vtk >falls.spec
+is 'a field that falls with height: its levels are subtracted' "$(awk '$1 == "profile" { printf "%s %s,", $2, $3 }' falls.spec | cut -d , -f 1-3)" \
+	'0 300,0.125 291,0.25 282'
+is 'and the map is blue below, red above' "$(awk '$1 == "palette" { print $2 } $1 == "map" { print $2, ($3 > .5) }' falls.spec | sed -n '1p;2p;$p' | tr '\n' ,)" \
+	'vik,-4 0,4 1,'
+fits falls >falls.at
+like 'it is visible' "$(cat falls.at)" '^[0-9]+ [0-9]+ [0-9]+ [0-9]+$'
+awk '/^LOOKUP/ { on = 1; print; next } on { $0 = $0 - 300 + 9 * int(n / 81); n++ } { print }' falls.vtk >less.vtk
+partition 90x60 | vcworker falls.vtk falls.spec | gather -o falls.pam
+grep -v ^profile falls.spec >less.spec
+partition 90x60 | vcworker less.vtk less.spec | gather -o less.pam
+ok 'a profile gives the picture of the field less it' cmp falls.pam less.pam
+grid signed 1 1 1 's = (i - 4) * (k + 1)'
+is 'a field of both signs: from 0' "$(gridspec signed.vtk | grep -cE '^(profile|palette vik)')" 1
+is '-k slices' "$(gridspec -k slices plain.vtk | awk '$1 == "slice" { printf "%s%s ", $2, $3 } $1 == "map" && $4 != 0')" 'x0.5 y0.6 z0.125 '
+is '-k surfaces' "$(gridspec -k surfaces plain.vtk | awk '$1 == "iso" || $1 == "map" { printf "%s ", $1 }')" 'iso iso iso '
+for kind in fog slices surfaces anomaly; do
+	for name in rain half outlier flat; do gridspec -k $kind $name.vtk >kind.spec && vcworker -i $name.vtk kind.spec || echo "$kind $name"; done
+done >inspected 2>&1
+is 'each kind of odd grids is a specification' "$(grep -cv '^frame\|^job=' inspected)" 0
 
 # ---- balance -----------------------------------------------------------------------------------------------------
 run balance adaptive -j 2 -s 90x60 -o first.pam plain.vtk
@@ -120,6 +144,7 @@ refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS; vol2
 sed 's/^DIMENSIONS.*/DIMENSIONS 9 9 1/' plain.vtk >layer.vtk
 refused 'one layer' "gridspec: layer.vtk:5: nodes along z is '1', expected an integer from 2" gridspec layer.vtk
 refused 'another palette' 'gridspec: -p jet: expected batlow, ' gridspec -p jet plain.vtk
+refused 'another kind' 'gridspec: -k mist: expected fog, ' gridspec -k mist plain.vtk
 refused 'a bad size' 'gridspec: -s 9: expected' gridspec -s 9 plain.vtk
 refused 'two grids' 'usage: gridspec' gridspec plain.vtk thin.vtk
 gridspec plain.vtk >/dev/full 2>err

@@ -44,6 +44,11 @@ album -v 3 s?.png >turn.html
 is '-v NUMBER' "$(cells turn.html | cut -d ' ' -f 1,2 | tr '\n' ,)" '0 0,0 1,1 0,1 1,2 0,2 1,'
 album -v 1 a/top-10.png a/top-9.png s0.png >series.html
 is '-v 1: a series of any names' "$(cells series.html | tr '\n' ,)" '0 0 a/top-9.png,0 1 a/top-10.png,0 2 s0.png,'
+for hour in 9 10; do printf '# vtk DataFile Version 3.0\nT [K]; t validity 20261123%02d00 [YYYYMMDDhhmm]\nASCII
+DATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 2\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 2 float\n0 1
+Z_COORDINATES 2 float\n0 1\nPOINT_DATA 8\nSCALARS s float 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n' $hour >g$hour.vtk; done
+album g10.vtk a/*.png g9.vtk >dates.html
+is 'with grids, times are their dates' "$(cells dates.html | tr '\n' ,)" 'east 2026-11-23 09:00 UTC a/east-9.png,east 2026-11-23 10:00 UTC a/east-10.png,top 2026-11-23 09:00 UTC a/top-9.png,top 2026-11-23 10:00 UTC a/top-10.png,'
 n=1
 for file in a/east-9.png a/east-10.png a/top-9.png a/top-10.png; do
 	if [ $n = 1 ]; then sed -n 's/.*src="data:image.png;base64,\([^"]*\)".*/\1/p' named.html
@@ -90,6 +95,9 @@ refused 'a missing picture' 'no picture of view "top" at time "10", expected eac
 refused 'a missing first picture' 'no picture of view "east" at time "9", expected' a/east-10.png a/top-9.png a/top-10.png
 refused 'a picture that comes twice' 'a/top-9.png and a/top-9.png: both show view "top" at time "9", expected one' \
 	a/top-9.png a/top-10.png a/top-9.png a/east-10.png
+refused 'a grid for one of two times' '1 grids and 2 times, expected a grid for each time' g9.vtk a/*.png
+sed '2s/;.*//' g9.vtk >timeless.vtk
+refused 'a grid without time' 'timeless.vtk: its title has no time, expected one' g10.vtk timeless.vtk a/*.png
 refused 'a remainder' '-v 4: 6 pictures, expected each of 4 views at each time' -v 4 s?.png
 for n in 0 7 12; do refused "$n views of 6 pictures" "-v $n: 6 pictures, expected each of $n views" -v $n s?.png; done
 refused 'more names than pictures' '-v a,b: 1 pictures, expected each of 2' -v a,b s0.png

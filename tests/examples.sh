@@ -53,6 +53,7 @@ lacking() {
 		ncarg /usr/share/ncarg/data
 		ferret-vis /usr/share/ferret-vis/data
 		jq jq
+		proj proj
 		ffmpeg ffmpeg
 	END
 	return 1

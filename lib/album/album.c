@@ -162,6 +162,18 @@ bool album_in_turn(
     return true;
 }
 
+bool album_name_times(struct album *a, char *const *names, size_t n, char err[ERR_BYTES])
+{
+    if (n != a->n_times)
+        return err_set(
+            err, "%zu grids and %zu times, expected a grid for each time", n, a->n_times);
+    for (size_t i = 0; i < a->n_pictures; i++) {
+        free(a->pictures[i].time);
+        a->pictures[i].time = xstrdup(names[i % n]);
+    }
+    return true;
+}
+
 bool album_load(struct album *a, char err[ERR_BYTES])
 {
     size_t left = ALBUM_BYTES_MAX;

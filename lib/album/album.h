@@ -37,6 +37,8 @@ bool album_by_name(struct album *a, char *const *paths, size_t n, char err[ERR_B
  */
 bool album_in_turn(
     struct album *a, char *const *paths, size_t n, const char *views, char err[ERR_BYTES]);
+/* Names the times of the table, in their order. False with a message in err if it has not n. */
+bool album_name_times(struct album *a, char *const *names, size_t n, char err[ERR_BYTES]);
 /* Reads the files: PNG of one size. */
 bool album_load(struct album *a, char err[ERR_BYTES]);
 void album_free(struct album *a);

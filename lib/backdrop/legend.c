@@ -2,6 +2,7 @@
 #include "backdrop/drawing.h"
 #include "image/image.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #define SPAN_PIECES 48 /* pieces of one colour per span */
@@ -18,11 +19,64 @@ static void patch(const struct drawing *s, double x0, double x1, double y0, doub
 
 struct bar {
     double x, y, w, h, lo, hi; /* place in pixels; values at the ends */
+    double *even;              /* n_even values at even distances; NULL: the bar is linear */
+    size_t n_even;
 };
 
 static double bar_x(const struct bar *b, double v)
 {
-    return b->x + b->w * (v - b->lo) / (b->hi - b->lo);
+    double part = (v - b->lo) / (b->hi - b->lo);
+    if (b->even) {
+        size_t i = 1;
+        while (i + 1 < b->n_even && v > b->even[i]) i++;
+        const double from = b->even[i - 1], to = b->even[i];
+        part = ((double)i - .5 + (v - from) / (to - from)) / (double)b->n_even;
+    }
+    return b->x + b->w * part;
+}
+
+#define EVEN_LEAST 4 /* intervals from which there are many and few */
+#define CROWDED .1   /* of a linear bar, which half of its intervals would share */
+
+static int by_length(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Where half of the intervals between knots would share a small part of the bar, as between
+ * quantiles of a field with outliers, all intervals get one length. */
+static void bar_places(struct bar *b, const struct spec_knot *knot, size_t n)
+{
+    double *length = xmalloc(n + 1, sizeof *length), crowd = 0;
+    size_t intervals = 0;
+    b->even = xmalloc(n + 1, sizeof *b->even);
+    for (size_t i = 0; i < n; i++) {
+        if (i && !(knot[i].s > knot[i - 1].s)) continue;
+        if (i) length[intervals++] = knot[i].s - b->even[b->n_even - 1];
+        b->even[b->n_even++] = knot[i].s;
+    }
+    qsort(length, intervals, sizeof *length, by_length);
+    for (size_t i = 0; i < intervals / 2; i++) crowd += length[i];
+    free(length);
+    if (intervals >= EVEN_LEAST && crowd < CROWDED * (b->hi - b->lo)) return;
+    free(b->even);
+    b->even = NULL;
+}
+
+/* The values at the ends of intervals, in as many digits as tell them apart. */
+static void bar_even_values(const struct bar *b, const struct drawing *s)
+{
+    char text[64];
+    for (size_t i = 0; i < b->n_even; i++) {
+        double least = HUGE_VAL, digit = i && i + 1 < b->n_even ? 1 : .1; /* one more at the ends */
+        if (i) least = b->even[i] - b->even[i - 1];
+        if (i + 1 < b->n_even) least = fmin(least, b->even[i + 1] - b->even[i]);
+        const double unit = digit * pow(10, floor(log10(least)));
+        snprintf(text, sizeof text, "%.10g", round(b->even[i] / unit) * unit + 0.0);
+        const double at[2] = {bar_x(b, b->even[i]), b->y - BACKDROP_ROW / 2 * s->em};
+        backdrop_label(s, text, at, 0);
+    }
 }
 
 /* The colours of the bar: those of the second field, if there are any. */
@@ -147,12 +201,13 @@ void backdrop_legend(const struct drawing *s)
     static const double page[3] = {PAGE, PAGE, PAGE};
     const struct spec *p = s->b->spec;
     struct bar b = {.2 * s->w, (BACKDROP_LINE + BACKDROP_ROW) * s->em - s->strip, .6 * s->w, s->em,
-        HUGE_VAL, -HUGE_VAL};
+        HUGE_VAL, -HUGE_VAL, NULL, 0};
     size_t n;
     const struct spec_knot *knot = bar_knots(p, &n);
     for (size_t i = 0; i < n; i++) b.lo = fmin(b.lo, knot[i].s), b.hi = fmax(b.hi, knot[i].s);
     for (size_t i = 0; i < bar_n_isos(p); i++)
         b.lo = fmin(b.lo, p->iso[i].s), b.hi = fmax(b.hi, p->iso[i].s);
+    if (bar_n_isos(p) == 0) bar_places(&b, knot, n);
     double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
     b.lo -= pad;
     b.hi += pad;
@@ -163,5 +218,7 @@ void backdrop_legend(const struct drawing *s)
     bar_isos(&b, s);
     mark_rectangle(
         s->list, BACKDROP_BOX, FRAME, (double[2]){b.x, b.y}, (double[2]){b.x + b.w, b.y + b.h});
-    if (p->n_knots) bar_values(&b, s);
+    if (b.even) bar_even_values(&b, s);
+    else if (p->n_knots) bar_values(&b, s);
+    free(b.even);
 }

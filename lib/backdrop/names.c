@@ -33,9 +33,11 @@ void backdrop_name(
     const struct grid *g = b->grid;
     const bool second = b->spec->n_colours > 0; /* the legend is that of this field */
     bool known = grid_title(second ? g->second_title : g->title, 0, &n->scalar);
-    known = known && n->scalar.unit[0];
-    if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
-    b->title = title ? title : known ? n->title : second ? g->second_name : g->name;
+    const char *name = second ? g->second_name : g->name, *unit_of = "";
+    if (known && n->scalar.unit[0]) name = n->scalar.name, unit_of = n->scalar.unit;
+    snprintf(n->title, sizeof n->title, "%s%s%s%s",
+        b->spec->n_profile && !second ? "deviation of " : "", name, *unit_of ? ", " : "", unit_of);
+    b->title = title ? title : n->title;
     b->flat = flat_unit(g, &n->x);
     known = grid_title(g->title, 'z', &n->z);
     b->down = unit ? unit[0] == '-' : known && n->z.down;

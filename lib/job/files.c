@@ -121,28 +121,15 @@ struct job_state job_state(const struct job *j, size_t at)
         subject, j->subjects + look, look == 0, other && (subject == 0 || looks(j) > 1)};
 }
 
-/* Puts # before the line, if it is in b behind `at`. */
-static void comment_out(struct buf *b, size_t at, const char *line)
-{
-    const unsigned char *found = text_find(b->data + at, b->len - at, line, strlen(line));
-    if (!found) return;
-    at = (size_t)(found + 1 - b->data);
-    buf_append(b, "", 1);
-    memmove(b->data + at + 1, b->data + at, b->len - 1 - at);
-    b->data[at] = '#';
-}
-
-bool job_starter(
-    const char *path, uint32_t w, uint32_t h, bool map, struct buf *out, char err[ERR_BYTES])
+bool job_starter(const char *path, uint32_t w, uint32_t h, struct buf *out, char err[ERR_BYTES])
 {
     struct grid g;
     char why[ERR_BYTES], shown[ERR_PATH];
     if (grid_load(path, &g, err) != 0) return false;
-    const size_t at = out->len;
-    bool good = spec_starter(
-        &g, SPEC_STARTER_PALETTE, w ? w : SPEC_STARTER_W, h ? h : SPEC_STARTER_H, out, why);
+    struct spec_wish wish = SPEC_WISH_DEFAULT;
+    if (w) wish.w = w, wish.h = h;
+    bool good = spec_starter(&g, &wish, out, why);
     grid_free(&g);
     if (!good) return err_set(err, "%s: %s", err_path(shown, path), why);
-    if (map) comment_out(out, at, "\nbackground ");
     return true;
 }

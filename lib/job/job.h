@@ -58,9 +58,8 @@ struct job_state {
 };
 struct job_state job_state(const struct job *j, size_t at);
 /* Appends the specification of a grid alone, with a picture of w x h pixels; 0: as it is usual.
- * Over a map it has no background. Returns false with a message in err. */
-bool job_starter(
-    const char *grid, uint32_t w, uint32_t h, bool map, struct buf *out, char err[ERR_BYTES]);
+ * Returns false with a message in err. */
+bool job_starter(const char *grid, uint32_t w, uint32_t h, struct buf *out, char err[ERR_BYTES]);
 
 /* ---- state records on standard output (record.c) -------------------------------------------- */
 

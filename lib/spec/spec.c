@@ -38,7 +38,8 @@ enum word {
     ISO,
     SLICE,
     TINT,
-    GROUND
+    GROUND,
+    PROFILE
 };
 struct range {
     const char *what;
@@ -77,6 +78,7 @@ static const struct {
     [SLICE] = {"slice", {COORDINATE("place"), {"opacity", 0, 1}}, true}, /* after its axis */
     [TINT] = {"colour", {COORDINATE("value"), COLOUR}, true},
     [GROUND] = {"ground", {COORDINATE("height"), COLOUR}, true},
+    [PROFILE] = {"profile", {COORDINATE("z"), COORDINATE("value")}, true},
 };
 /* Lines whose colour is a place in the palette. */
 #define PLACE                                                                                      \
@@ -176,6 +178,7 @@ static bool take_line(struct spec_reader *r, enum word word, const double *v, do
     case SLICE: return spec_add_slice(r, (int)place, v);
     case TINT: return spec_add_knot(r, SPEC_COLOURS, v, place);
     case GROUND: return spec_add_knot(r, SPEC_GROUND, v, place);
+    case PROFILE: return spec_add_level(r, v);
     }
     return true;
 }
@@ -252,7 +255,7 @@ static bool read_line(struct spec_reader *r)
     if (w == WORDS)
         return fail_word(r, "line", "first word",
             "from, at, up, angle, resolution, light, attenuation, scale, limit, background, "
-            "palette, clip, map, iso, slice, colour or ground");
+            "palette, clip, map, iso, slice, colour, ground or profile");
     const char *name = words[w].name;
     if (r->seen >> w & 1 && !words[w].many)
         return spec_fail(r, "%s: twice, expected it once", name);
@@ -313,6 +316,7 @@ void spec_free(struct spec *s)
     free(s->slice);
     free(s->colour);
     free(s->ground);
+    free(s->profile);
     *s = (struct spec){0};
 }
 

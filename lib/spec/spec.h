@@ -19,6 +19,9 @@ struct spec_slice {
     double at;      /* in the grid's coordinates */
     double opacity; /* 0 .. 1 */
 };
+struct spec_level {
+    double z, s; /* at this height in the grid's coordinates, s is subtracted from the field */
+};
 #define SPEC_RESOLUTION_MAX 65535
 #define SPEC_LIMIT .9999 /* default opacity limit */
 struct spec {
@@ -41,6 +44,8 @@ struct spec {
     size_t n_colours;
     struct spec_knot *ground; /* by the height of the ground; none: it is not seen; k = 0 */
     size_t n_grounds;
+    struct spec_level *profile; /* ascending by z; none: nothing is subtracted */
+    size_t n_profile;
     bool clipped;
     double clip[3][2]; /* only this part is seen: from < to, in the grid's coordinates */
 };
@@ -58,17 +63,36 @@ bool spec_palette(const char *name, size_t n, double rgb[SPEC_PALETTE_POINTS][3]
 void spec_palette_at(const double rgb[SPEC_PALETTE_POINTS][3], double place, double out[3]);
 
 /*
- * Appends a specification for a first picture of a grid: a view of w x h pixels that fits, a scale
- * that makes a thin grid thick, and a map with a band for each tenth of the values, with colours of
- * the palette. Comments state units, quantiles and the vertical exaggeration. Returns false with a
- * message in err if all values are missing, or if it is a brick. If all are equal, the map has one
- * band around them.
+ * A specification for a first picture of a grid. With SPEC_AUTO it shows a field of both signs, and
+ * one that is nearly the same everywhere at a height, as SPEC_ANOMALY, others as SPEC_FOG.
  */
-#define SPEC_STARTER_W 1200 /* as it is usual */
-#define SPEC_STARTER_H 800
-#define SPEC_STARTER_PALETTE "viridis"
-bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_t h,
-    struct buf *out, char err[ERR_BYTES]);
+enum spec_kind { SPEC_AUTO, SPEC_FOG, SPEC_SLICES, SPEC_SURFACES, SPEC_ANOMALY };
+#define SPEC_KINDS "fog, slices, surfaces or anomaly" /* for messages */
+/* The kind of this name. False if there is none. */
+bool spec_kind(const char *name, enum spec_kind *kind);
+struct spec_wish {
+    enum spec_kind kind;
+    const char *palette; /* NULL: as it is usual for the kind */
+    uint32_t w, h;       /* resolution */
+};
+/* clang-format off */
+#define SPEC_WISH_DEFAULT {SPEC_AUTO, NULL, 1200, 800}
+/* clang-format on */
+#define SPEC_STARTER_PALETTE "viridis" /* of most kinds */
+/*
+ * Appends it: a view that fits, a scale that makes a thin grid thick, and lines for the kind, at
+ * quantiles of the values. Comments state units, quantiles and the vertical exaggeration. Returns
+ * false with a message in err if all values are missing, or if it is a brick. If all are equal, the
+ * map has one band around them.
+ */
+bool spec_starter(
+    const struct grid *g, const struct spec_wish *wish, struct buf *out, char err[ERR_BYTES]);
+
+/* The profile at height z: linear between its levels, constant beyond them. */
+double spec_profile_at(const struct spec *s, double z);
+/* The field that the specification shows: the values of the grid, less the profile. The caller
+ * frees it. NULL without a profile: the values as they are. */
+float *spec_deviation(const struct spec *s, const struct grid *g);
 
 /* Parses n bytes of text. Returns 0, or -1 with the message in err; `name` is for messages. The
  * caller frees *s with spec_free. */

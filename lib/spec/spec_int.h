@@ -22,7 +22,7 @@ struct spec_reader {
     unsigned seen;        /* one bit per word */
     struct spec *s;
     struct spec_list list[SPEC_LISTS];
-    size_t room_isos, room_slices;
+    size_t room_isos, room_slices, room_profile;
     double palette[SPEC_PALETTE_POINTS][3]; /* if seen */
 };
 
@@ -38,6 +38,7 @@ static inline void spec_copy(double to[3], const double from[3])
 bool spec_add_knot(struct spec_reader *r, int list, const double v[5], double place);
 bool spec_add_iso(struct spec_reader *r, const double v[5]);
 bool spec_add_slice(struct spec_reader *r, int axis, const double v[2]);
+bool spec_add_level(struct spec_reader *r, const double v[2]); /* profile.c */
 bool spec_take_clip(struct spec_reader *r, const double v[6]);
 /* What these lines must be together. Moves lists to the specification; sorts surfaces and
  * slices. */

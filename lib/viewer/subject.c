@@ -42,7 +42,7 @@ static bool load_spec(struct subject *s, const struct viewer_options *o, char er
     struct buf b = {0};
     if (!s->job.starter) return spec_load(s->job.path[s->job.subjects], &s->spec, err) == 0;
     bool good =
-        job_starter(*s->job.path, o->w, o->h, false, &b, err) &&
+        job_starter(*s->job.path, o->w, o->h, &b, err) &&
         spec_read(*s->job.path, (const char *)buf_data(&b), buf_size(&b), &s->spec, err) == 0;
     buf_free(&b);
     return good;

@@ -23,7 +23,7 @@ static void set_planes(struct volume *v, const struct grid *g, const double scal
 {
     const ptrdiff_t stride[3] = {1, g->n[0], (ptrdiff_t)g->n[0] * g->n[1]};
     double *room = xmalloc((size_t)g->n[0] + g->n[1] + g->n[2] + 6 * BLOCK, sizeof *room);
-    v->first = v->value = g->value;
+    v->first = v->value;
     v->row = stride[1];
     v->layer = stride[2];
     for (int a = 0; a < 3; a++) {
@@ -88,6 +88,7 @@ struct volume *volume_new(
     struct volume *v = xcalloc(1, sizeof *v);
     v->spec = s;
     v->o = *o;
+    v->value = volume_deviation(g, s);
     set_planes(v, g, s->scale);
     set_brick(v, g, s->scale);
     set_inside(v, s);
@@ -114,6 +115,7 @@ void volume_free(struct volume *v)
     free(v->plane[0] - BLOCK);
     for (int a = 0; a < 3; a++) free(v->inv_edge[a]);
     volume_stream_free(v->stream);
+    volume_deviation_free(v->value);
     free(v->map.span);
     free(v->tint.span);
     free(v->live);

@@ -153,6 +153,10 @@ struct volume {
     struct volume_counts counts;
 };
 
+/* The values of the grid, less the profile. Give them back when they are not used any more.
+ * (deviation.c) */
+const float *volume_deviation(const struct grid *g, const struct spec *s);
+void volume_deviation_free(const float *value);
 void skip_init(struct volume *v);
 static inline size_t cell_index(const struct volume *v, const int32_t i[3])
 {

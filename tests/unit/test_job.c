@@ -235,13 +235,13 @@ static void test_states(void **state)
     assert_true(job_state(&alone, 0).new_subject && !job_state(&alone, 0).new_look);
 }
 
-static struct spec starter(uint32_t w, uint32_t h, bool map)
+static struct spec starter(uint32_t w, uint32_t h)
 {
     struct buf text = {0};
     struct spec s = {0};
     char err[ERR_BYTES];
     buf_append(&text, "# before\n", 9);
-    if (!job_starter(a, w, h, map, &text, err) ||
+    if (!job_starter(a, w, h, &text, err) ||
         spec_read("starter", (const char *)text.data, text.len, &s, err) != 0)
         fail_msg("%s", err);
     buf_free(&text);
@@ -253,13 +253,13 @@ static void test_starter(void **state)
     (void)state;
     struct buf none_yet = {0};
     char err[ERR_BYTES];
-    struct spec s = starter(0, 0, false), map = starter(90, 60, true);
+    struct spec s = starter(0, 0), small = starter(90, 60);
     assert_true(s.w == 1200 && s.h == 800 && s.backed);
-    assert_true(map.w == 90 && map.h == 60 && !map.backed);
-    assert_int_equal(s.n_knots, map.n_knots);
+    assert_true(small.w == 90 && small.h == 60);
+    assert_int_equal(s.n_knots, small.n_knots);
     spec_free(&s);
-    spec_free(&map);
-    assert_false(job_starter(x, 0, 0, false, &none_yet, err));
+    spec_free(&small);
+    assert_false(job_starter(x, 0, 0, &none_yet, err));
     assert_non_null(strstr(err, "x.spec:1: "));
 }
 

@@ -110,48 +110,26 @@ static void test_palettes(void **state)
     spec_free(&s);
 }
 
-/* The starter of a field from 0 to 26 in a box of 1 x 1 x 10. */
-static void test_starter(void **state)
+/* The profile: its words, its values between levels, and a field less it. */
+static void test_profile(void **state)
 {
     (void)state;
-    float value[27];
-    double at[3][3] = {{0, .5, 1}, {0, .5, 1}, {0, 1, .001}};
-    struct grid g = {.n = {3, 3, 3}, .at = {at[0], at[1], at[2]}, .value = value, .name = "s"};
-    struct buf b = {0};
-    struct spec s;
-    char err[ERR_BYTES];
-    at[2][1] = .0005;
-    for (int i = 0; i < 27; i++) value[i] = (float)i;
-    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
-    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
-    assert_true(s.w == 300 && s.h == 200 && s.scale[0] == 1 && s.scale[2] == 250);
-    assert_true(s.knot[0].s == 0 && s.knot[s.n_knots - 1].s == 26);
-    for (size_t i = 1; i < s.n_knots; i++) assert_true(s.knot[i].k >= s.knot[i - 1].k);
+    float value[] = {11, 12, 13, 14, 21, 22, (float)NAN, 24};
+    double x[] = {0, 1}, z[] = {1, 3};
+    const struct grid g = {.n = {2, 2, 2}, .at = {x, x, z}, .value = value};
+    struct spec s = parse(VIEW MAP);
+    assert_true(!s.n_profile && !spec_deviation(&s, &g) && spec_profile_at(&s, 5) == 0);
     spec_free(&s);
-    buf_free(&b);
-
-    for (int i = 0; i < 27; i++) value[i] = i < 20 ? -1 : (float)i; /* the ground is transparent */
-    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
-    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
-    assert_true(s.knot[0].s == -1 && s.knot[0].k == 0 && s.knot[1].k > 0);
-    assert_true(s.knot[1].s == 20 && s.knot[s.n_knots - 1].s == 26);
+    s = parse(VIEW "profile 0 8\n" MAP "profile 2 12\nprofile 4 20\n");
+    assert_true(s.n_profile == 3 && s.profile[2].z == 4 && s.profile[2].s == 20);
+    static const double at[][2] = {{-9, 8}, {0, 8}, {1, 10}, {2, 12}, {3, 16}, {4, 20}, {9, 20}};
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+        assert_true(spec_profile_at(&s, at[i][0]) == at[i][1]);
+    float *less = spec_deviation(&s, &g);
+    for (int i = 0; i < 8; i++)
+        assert_true(i == 6 ? isnan(less[i]) : less[i] == value[i] - (i < 4 ? 10 : 16));
+    free(less);
     spec_free(&s);
-    buf_free(&b);
-
-    for (int i = 0; i < 27; i++) value[i] = 5; /* all equal */
-    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
-    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
-    assert_true(s.n_knots == 2 && s.knot[0].s < 5 && s.knot[1].s > 5 && s.knot[0].k > 0);
-    spec_free(&s);
-    buf_free(&b);
-
-    for (int i = 0; i < 27; i++) value[i] = i == 13 ? (float)NAN : 1;
-    assert_false(spec_starter(&g, "magma", 300, 200, &b, err));
-    assert_string_equal(err, "each cell has a missing corner, expected one that has none");
-    for (int i = 0; i < 27; i++) value[i] = (float)NAN;
-    assert_false(spec_starter(&g, "magma", 300, 200, &b, err));
-    assert_string_equal(err, "all values are missing, expected some that are not");
-    buf_free(&b);
 }
 
 static void test_many(void **state)
@@ -180,10 +158,10 @@ static void test_refused(void **state)
             "t:4: no 'resolution', expected from, at, up, angle and resolution"},
         {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
                        "light, attenuation, scale, limit, background, palette, clip, map, iso, "
-                       "slice, colour or ground"},
+                       "slice, colour, ground or profile"},
         {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
                           "resolution, light, attenuation, scale, limit, background, palette, "
-                          "clip, map, iso, slice, colour or ground"},
+                          "clip, map, iso, slice, colour, ground or profile"},
         {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
         {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
         {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
@@ -229,6 +207,9 @@ static void test_refused(void **state)
             "t:7: ground: next word is '1', expected the line's end"},
         {VIEW "palette vik\nground 1 2",
             "t:7: ground: place is '2', expected a number from 0 to 1"},
+        {VIEW "profile 1", "t:6: profile: no value, expected a number from -1e+18 to 1e+18"},
+        {VIEW "profile 1 2\nprofile 1 3",
+            "t:7: profile: 1 after 1, expected heights that ascend"},
         {VIEW "limit 0", "t:6: limit: opacity is '0', expected a number from 0.001 to 1"},
         {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 179.999999"},
         {"resolution 0 1", "t:1: resolution: width is '0', expected a number from 1 to 65535"},
@@ -371,7 +352,7 @@ int main(void)
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_words),
         cmocka_unit_test(test_palettes),
-        cmocka_unit_test(test_starter),
+        cmocka_unit_test(test_profile),
         cmocka_unit_test(test_many),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_truncated),

@@ -8,6 +8,7 @@
 #include "rounds.h"
 #include "volume_cases.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, ISA_AUTO, 1};
@@ -87,6 +88,34 @@ static void attenuation_dims_colour_and_not_alpha(void **state)
         near((double)p[0], colour, i == 3 ? 1.0 / 1024 : 2e-6);
         near((double)p[1], colour / 2, i == 3 ? 1.0 / 1024 : 2e-6);
     }
+    free_grid(&g);
+}
+
+/* A field less a profile is rendered as one that was written so, bit by bit. Views share it. */
+static void profile_is_subtracted(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, of_z);
+    struct scene c = make_scene(above, below);
+    knot(&c, -9, 1, 0.5, 0, 0.3);
+    knot(&c, 10, 0, 0.5, 1, 0.5);
+    struct spec_level profile[] = {{0, 3}, {2, 5.5}, {9, 1}};
+    c.s.profile = profile, c.s.n_profile = 3;
+    struct volume *v[2];
+    float p[4], q[4];
+    const struct lattice one = {0, 0, 1, 1, 1, 1};
+    for (int i = 0; i < 2; i++) v[i] = volume_new(&g, &c.s, &usual);
+    volume_free(v[0]);
+    volume_pixels(v[1], &one, 0, 1, p);
+    volume_free(v[1]);
+    float *less = spec_deviation(&c.s, &g);
+    memcpy(g.value, less, (size_t)5 * 4 * 6 * sizeof *less);
+    free(less);
+    c.s.n_profile = 0;
+    render(&g, &c.s, &usual, q, NULL);
+    assert_memory_equal(p, q, sizeof p);
+    assert_true(p[3] > 0);
     free_grid(&g);
 }
 
@@ -343,6 +372,7 @@ int main(void)
         cmocka_unit_test(constant_field),
         cmocka_unit_test(linear_field),
         cmocka_unit_test(attenuation_dims_colour_and_not_alpha),
+        cmocka_unit_test(profile_is_subtracted),
         cmocka_unit_test(opacity_limit_and_background),
         cmocka_unit_test(adaptive_keeps_its_tolerance),
         cmocka_unit_test(adaptive_keeps_its_bound),
