@@ -94,7 +94,7 @@ if command -v nm >/dev/null; then
 	is 'no program opens a socket' "$(calls socket socketpair connect bind listen accept accept4 getaddrinfo)" ''
 	is 'no program starts a shell by a function of the C library' "$(calls system popen wordexp)" ''
 	is 'only programs that start others can start one' "$(calls execvp execv execve execl execlp posix_spawn posix_spawnp |
-		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'backdrop cropworker deal fan job replay ringctl rtworker vcworker '
+		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'backdrop cropworker deal fan job replay ringctl rtworker stormview vcworker '
 else
 	skip 'what programs call' 'nm is not there'
 fi

@@ -142,7 +142,7 @@ refused 'lengths that no scale brings together' 'gridspec: sheet.vtk: an axis is
 sed 's/^SCALARS.*/VECTORS wind float/' plain.vtk >vectors.vtk
 refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS; vol2vtk' gridspec vectors.vtk
 sed 's/^DIMENSIONS.*/DIMENSIONS 9 9 1/' plain.vtk >layer.vtk
-refused 'one layer' "gridspec: layer.vtk:5: nodes along z is '1', expected an integer from 2" gridspec layer.vtk
+refused 'one layer' 'gridspec: layer.vtk:5: the first grid has one level, as a field of x and y alone; expected several' gridspec layer.vtk
 refused 'another palette' 'gridspec: -p jet: expected batlow, ' gridspec -p jet plain.vtk
 refused 'another kind' 'gridspec: -k mist: expected fog, ' gridspec -k mist plain.vtk
 refused 'a bad size' 'gridspec: -s 9: expected' gridspec -s 9 plain.vtk

@@ -252,7 +252,7 @@ refused 'gauss:0' 'vcworker: -m gauss:0: expected gauss:N, an integer from 1 to 
 refused 'balance: a bad specification' 'vcworker: bad.spec:11:' balance ds -o x-%d.png a.vtk one.spec bad.spec
 refused 'balance: a bad grid behind a good one' 'vcworker: bad.vtk:' balance ds -o x-%d.png a.vtk bad.vtk one.spec
 refused 'balance: no specification' 'job: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
-refused 'balance: no grid' 'vcworker: one.spec:1: no VTK' balance ds -o x.png one.spec two.spec
+refused 'balance: no grid' 'job: one.spec: is a view or a specification, expected a scene or a grid before it' balance ds -o x.png one.spec two.spec
 refused 'balance: one name for two' 'job: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
 ln -s one.spec one.png
 refused 'balance: the picture over a specification' 'gather: one.png: is also an input' balance ds -o one.png a.vtk one.spec
