@@ -30,6 +30,7 @@ for name in $units; do ok "$name is clean under ASan and UBSan" clean "$name"; d
 # Targets a and c find something, b does not.
 mkdir -p "$tmp/tests/fuzz" "$tmp/build/fuzz"
 cp tests/fuzz/run "$tmp/tests/fuzz"
+cp tests/processors "$tmp/tests"
 for name in a b c; do
 	: >"$tmp/tests/fuzz/fuzz_$name.c"
 	printf '#!/bin/sh\necho stat::number_of_executed_units: 7\nexit %s\n' "$([ $name = b ]; echo $?)" >"$tmp/build/fuzz/fuzz_$name"

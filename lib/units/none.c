@@ -10,22 +10,23 @@ bool units_linear(const char *from, const char *to, struct units_linear *l, char
            err_set(err, "built without libudunits2-dev, expected '%.60s' to be '%.60s'", from, to);
 }
 
-static bool lacks(char err[ERR_BYTES])
+static bool lacks(char *out, size_t room, char err[ERR_BYTES])
 {
+    if (room) *out = '\0';
     return err_set(err, "built without libudunits2-dev, expected no product of units");
 }
 
 bool units_product(
     const char *a, const char *b, int sign, char *out, size_t room, char err[ERR_BYTES])
 {
-    (void)a, (void)b, (void)sign, (void)out, (void)room;
-    return lacks(err);
+    (void)a, (void)b, (void)sign;
+    return lacks(out, room, err);
 }
 
 bool units_power(const char *unit, int power, char *out, size_t room, char err[ERR_BYTES])
 {
-    (void)unit, (void)power, (void)out, (void)room;
-    return lacks(err);
+    (void)unit, (void)power;
+    return lacks(out, room, err);
 }
 
 bool units_date(double v, const char *unit, struct units_date *d)

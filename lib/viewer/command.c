@@ -91,8 +91,8 @@ static void take_gone(struct viewer *v, const struct record *r)
     count_slots(v);
     rec_str(r, "host", host, sizeof host);
     rec_str(r, "why", why, sizeof why);
-    viewer_say(v, "lost slot %d%s%s (%s)", rec_slot(r), strcmp(host, ":") && *host ? " at " : "",
-        strcmp(host, ":") ? host : "", why);
+    const bool far = *host && strcmp(host, ":") != 0;
+    viewer_say(v, "lost slot %d%s%s (%s)", rec_slot(r), far ? " at " : "", far ? host : "", why);
 }
 
 static void take_up(struct viewer *v)
@@ -113,7 +113,8 @@ static void take_frag(struct viewer *v, const struct record *r)
 {
     char job[WIRE_JOB];
     const struct task *t = &r->task;
-    if (t->frame == v->look.frame && (!rec_str(r, "job", job, sizeof job) || strcmp(job, v->job))) {
+    if (t->frame == v->look.frame &&
+        (!rec_str(r, "job", job, sizeof job) || strcmp(job, v->job) != 0)) {
         refuse(v, "pixels of another job, expected those of `frame`");
         return;
     }

@@ -22,6 +22,9 @@ static const char coast[] = "> land\n3 42\n9 41\n15 44\n16 48\n8 49\n4 46\n> wat
                             "10 46\n>\n12 40.5\n19 49\n> land\n355 38\n2 38\n2 41\n355 41\n";
 
 /* For the sanitizer of leaks: fontconfig has tables until the program ends. */
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wreserved-identifier"
+#endif
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
 
