@@ -292,7 +292,7 @@ $(BUILD)/musl/libstormring.a: $(MUSL_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $(MUSL_OBJ)
 
-$(BUILD)/musl/%.o: private CC = $(STATIC_CC)
+$(BUILD)/musl/%.o: private override CC := $(STATIC_CC)
 $(BUILD)/musl/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
 	$(compile)

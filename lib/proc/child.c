@@ -83,13 +83,22 @@ static int set_nonblocking(int fd) { return fd < 0 ? 0 : fcntl(fd, F_SETFL, O_NO
 static int start(struct child *c, const struct to_run *run, int n_pipes)
 {
     int p[PIPES][2], err = 0;
+    sigset_t stop, before;
     *c = CHILD_NONE;
     if (open_pipes(p, n_pipes) != 0) return -1;
+    /* A stop reaches the groups that are known, so it waits until this one is. */
+    sigemptyset(&stop);
+    sigaddset(&stop, SIGTSTP);
+    sigprocmask(SIG_BLOCK, &stop, &before);
     pid_t parent = getpid();
     c->pid = fork();
-    if (c->pid == 0) run_child(parent, p, run);
+    if (c->pid == 0) {
+        sigprocmask(SIG_SETMASK, &before, NULL);
+        run_child(parent, p, run);
+    }
     if (c->pid < 0) err = errno, c->pid = 0;
     if (c->pid > 0 && n_pipes == ERR) groups_add(c->pid);
+    sigprocmask(SIG_SETMASK, &before, NULL);
     close(p[TO][0]), close(p[FROM][1]), close(p[REPORT][1]), child_close(&p[ERR][1]);
     c->to = p[TO][1];
     c->from = p[FROM][0];

@@ -106,6 +106,7 @@ void spec_survey_deviations(const struct grid *g, bool from_zero, struct spec_de
 {
     const struct sample s = sample_of(g);
     *d = (struct spec_deviations){.mean = xcalloc(g->n[2], sizeof *d->mean)};
+    if (!s.layer) return; /* no grid that was read */
     for (uint32_t k = 0; k < g->n[2]; k++) {
         const float *value = g->value + k * s.layer;
         const double mean = d->mean[k] = from_zero ? 0 : mean_of(value, s.layer);
