@@ -26,5 +26,6 @@ case $(head -c 14 -- "$1" 2>/dev/null | tr '[:upper:]' '[:lower:]' | tr -d '\0')
 '# vtk datafile') renderer=vcworker ;;
 *) renderer=rtworker ;;
 esac
+# On this machine each slot has a worker of its own: children of one are forked again for each view.
 exec stormview ${lines:+-m "$lines"} ${size:+-s "$size"} -- "$@" \
-	deal -q auto -e fan -1 ${slots:+-j "$slots"} ${hosts:+-S "$hosts"} "$renderer"
+	deal -q auto -e fan ${slots:+-j "$slots"} ${hosts:+-1 -S "$hosts"} "$renderer"

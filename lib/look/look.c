@@ -9,6 +9,7 @@ struct flight {
     int64_t sent_us;
     uint64_t left;   /* pixels that have not come */
     int64_t wall_us; /* of its computation; -1: not known */
+    double ahead_us; /* the work before it, as it was sent */
 };
 
 static const struct {
@@ -47,7 +48,7 @@ static int pass_of(uint32_t x, uint32_t y)
 
 void look_init(struct look *l)
 {
-    *l = (struct look){.coarse_us = -1, .whole_us = -1};
+    *l = (struct look){.coarse_us = -1, .whole_us = -1, .trip_us = -1};
     tasks_init(&l->flight, sizeof(struct flight));
 }
 
@@ -105,7 +106,7 @@ void look_view(struct look *l, uint32_t frame, uint32_t w, uint32_t h, int64_t n
 /* The tasks that all slots may hold: enough that none waits for a round trip. */
 static int64_t most_tasks(const struct look *l)
 {
-    double depth = LOOK_DEPTH + ceil(l->trip_us / LOOK_TASK_US);
+    double depth = LOOK_DEPTH + ceil(fmax(l->trip_us, 0) / LOOK_TASK_US);
     return (int64_t)l->slots * (int64_t)fmin(depth, LOOK_DEPTH_MOST);
 }
 
@@ -133,7 +134,10 @@ bool look_next(struct look *l, int64_t now_us, struct task *t)
     *t = (struct task){.frame = l->frame, .id = l->next_id++, .to = -1};
     t->at = lattice_cut(&all, l->w, l->asked, task_px(l, lattice_count(&all)));
     const uint64_t n = lattice_count(&t->at);
-    *flight_at(l, tasks_add(&l->flight, t, l->w)) = (struct flight){now_us, n, -1};
+    const double ahead_us =
+        l->px_per_us > 0 ? (double)l->flight_px / (l->px_per_us * l->slots) : 0;
+    *flight_at(l, tasks_add(&l->flight, t, l->w)) = (struct flight){now_us, n, -1, ahead_us};
+    l->flight_px += n;
     l->asked += n;
     l->left -= n;
     l->fresh++;
@@ -145,6 +149,7 @@ bool look_next(struct look *l, int64_t now_us, struct task *t)
 static void remove_task(struct look *l, int32_t i)
 {
     if (l->flight.at[i].task.frame == l->frame) l->fresh--;
+    l->flight_px -= flight_at(l, i)->left;
     tasks_remove(&l->flight, i);
 }
 
@@ -159,13 +164,14 @@ void look_done(struct look *l, uint32_t frame, uint32_t id, int64_t wall_us)
     flight_at(l, i)->wall_us = wall_us;
 }
 
-/* A task has come whole. Its round trip holds the time in queues, so the shortest ones count, and
- * a link that became slower counts after some of them. */
+/* A task has come whole. Its time in queues is no part of the round trip: else more tasks would be
+ * sent, and wait longer. The shortest trips count, and a link that became slower counts after some
+ * of them. */
 static void note_trip(struct look *l, const struct flight *f, int64_t now_us)
 {
     if (f->wall_us < 0) return;
-    const double trip = fmax(0, (double)(now_us - f->sent_us - f->wall_us));
-    l->trip_us = l->trip_us > 0 && trip > l->trip_us ? l->trip_us + (trip - l->trip_us) / 64 : trip;
+    const double trip = fmax(0, (double)(now_us - f->sent_us - f->wall_us) - f->ahead_us);
+    l->trip_us = l->trip_us >= 0 && trip > l->trip_us ? l->trip_us + (trip - l->trip_us) / 64 : trip;
 }
 
 /* The task under way that this is, or that it is a piece of: a policy may cut tasks and give the
@@ -233,7 +239,9 @@ bool look_frag(struct look *l, const struct task *t, const float *rgba, int64_t 
     else l->counts.stale_px += n;
     l->counts.again_px += n - fresh;
     struct flight *f = flight_at(l, i);
-    f->left -= fresh < f->left ? fresh : f->left;
+    if (fresh > f->left) fresh = f->left;
+    f->left -= fresh;
+    l->flight_px -= fresh;
     if (!f->left) {
         note_trip(l, f, now_us);
         remove_task(l, i);

@@ -20,7 +20,7 @@
 
 #define LOOK_PASSES 5
 #define LOOK_FINAL (LOOK_PASSES + 1) /* the level of a pixel that has come itself */
-#define LOOK_TASK_US 10000.0         /* what a task should take: a new view waits for those */
+#define LOOK_TASK_US 2000.0         /* what a task should take: a new view waits for those */
 #define LOOK_DEPTH 2                 /* tasks that a slot may hold if the round trip is short, */
 #define LOOK_DEPTH_MOST 12           /* and if it is long */
 #define LOOK_TASK_LEAST 128          /* pixels: below, the records cost more than the rays */
@@ -49,9 +49,10 @@ struct look {
     uint64_t left;       /* and those of all passes that were not */
     uint32_t next_id;
     int32_t slots, fresh;     /* slots that are up; tasks of this view under way */
-    struct task_table flight; /* tasks under way, of all views */
+    struct task_table flight; /* tasks under way, of all views, */
+    uint64_t flight_px;       /* and their pixels */
     double px_per_us;         /* of a slot, measured; 0: not known */
-    double trip_us;           /* of a task, beyond its own time */
+    double trip_us;           /* of a task, beyond its own time; -1: not known */
     struct look_counts counts;
 };
 

@@ -16,13 +16,12 @@ awk -v s="$drag" 'BEGIN {
 	for (i = 0; i < 60 * s; i++) printf "%.3f drag %d %d\n", i * 1000 / 60, 3 + i % 3, i % 5 - 2
 	printf "%.3f rest\n", s * 1000 }' >drags
 awk 'BEGIN { for (i = 0; i < 20; i++) print "0 key right\n0 rest" }' >turns
-echo ': slots=2' >here
 for ms in 10 50; do echo "apart slots=2 via=\"$tmp/delay $ms sh -c %c\"" >${ms}ms; done
 
-# view EVENTS HOSTS: runs stormview; leaves its figures in the file times
+# view EVENTS OPTIONS: runs stormview; leaves its figures in the file times
 view() {
 	stormview -e "$1" -t times -s "${side}x$side" wind.vtk "$root/scenes/wind-smooth.spec" \
-		sh -c "tee down | $rules fan -1 -S $2 vcworker" >look.spec || stop "$2 failed"
+		sh -c "tee down | $rules fan $2 vcworker" >look.spec || stop "$2 failed"
 }
 # value NAME
 value() { awk -v name="$1" '$1 == name { print $2; found = 1 } END { if (!found) print "-" }' times; }
@@ -31,10 +30,11 @@ rules=$(sed -n 's/.*\(deal -.*\) fan.*/\1/p' "$root/bin/view.sh")
 echo '| where | views | coarse ms | p95 | whole ms | too late |'
 echo '| --- | ---: | ---: | ---: | ---: | ---: |'
 for place in $where; do
-	at=$place
+	at="-1 -S $place"
+	[ "$place" != here ] || at='-j 2'
 	if [ "$place" = hosts ]; then
 		[ -n "${TEST_HOSTS-}" ] || { echo '| hosts | not without root | | | | |'; continue; }
-		at=$TEST_HOSTS/hosts
+		at="-1 -S $TEST_HOSTS/hosts"
 	fi
 	view drags "$at"
 	echo "$place $(value views) $(value coarse_median_ms) $(value coarse_p95_ms) $(value whole_median_ms) $(value stale_pixels) $(value pixels)" |
@@ -45,11 +45,11 @@ echo
 case " $where " in
 *' here '*)
 	begin=$(date +%s.%N)
-	view turns here
+	view turns "-j 2"
 	with=$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')
 	cp down again # without a bye, which would end the command at once
 	[ "$(tail -c 4 again)" != bye ] || head -c -4 down >again
-	alone=$(wall_s "$rules fan -1 -S here vcworker <again >frags")
+	alone=$(wall_s "$rules fan -j 2 vcworker <again >frags")
 	report 'milliseconds to the coarse picture, median' "$coarse" '' 50
 	report 'milliseconds to the coarse picture, 95th percentile' "$p95" '' 100
 	report '20 whole pictures, beside the same tasks without the viewer' "$(echo "$with $alone" | awk '{ print $1 / $2 }')" '' 1.3
