@@ -134,8 +134,7 @@ bool look_next(struct look *l, int64_t now_us, struct task *t)
     *t = (struct task){.frame = l->frame, .id = l->next_id++, .to = -1};
     t->at = lattice_cut(&all, l->w, l->asked, task_px(l, lattice_count(&all)));
     const uint64_t n = lattice_count(&t->at);
-    const double ahead_us =
-        l->px_per_us > 0 ? (double)l->flight_px / (l->px_per_us * l->slots) : 0;
+    const double ahead_us = l->px_per_us > 0 ? (double)l->flight_px / (l->px_per_us * l->slots) : 0;
     *flight_at(l, tasks_add(&l->flight, t, l->w)) = (struct flight){now_us, n, -1, ahead_us};
     l->flight_px += n;
     l->asked += n;
@@ -171,7 +170,8 @@ static void note_trip(struct look *l, const struct flight *f, int64_t now_us)
 {
     if (f->wall_us < 0) return;
     const double trip = fmax(0, (double)(now_us - f->sent_us - f->wall_us) - f->ahead_us);
-    l->trip_us = l->trip_us >= 0 && trip > l->trip_us ? l->trip_us + (trip - l->trip_us) / 64 : trip;
+    l->trip_us =
+        l->trip_us >= 0 && trip > l->trip_us ? l->trip_us + (trip - l->trip_us) / 64 : trip;
 }
 
 /* The task under way that this is, or that it is a piece of: a policy may cut tasks and give the

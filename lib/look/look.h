@@ -20,7 +20,7 @@
 
 #define LOOK_PASSES 5
 #define LOOK_FINAL (LOOK_PASSES + 1) /* the level of a pixel that has come itself */
-#define LOOK_TASK_US 2000.0         /* what a task should take: a new view waits for those */
+#define LOOK_TASK_US 2000.0          /* what a task should take: a new view waits for those */
 #define LOOK_DEPTH 2                 /* tasks that a slot may hold if the round trip is short, */
 #define LOOK_DEPTH_MOST 12           /* and if it is long */
 #define LOOK_TASK_LEAST 128          /* pixels: below, the records cost more than the rays */

@@ -255,7 +255,7 @@ static void tasks_have_the_measured_length(void **state)
     look_view(&l, 1, 512, 512, now);
     while (!look_whole(&l)) longest = work(&l, &now, 10000);
     look_view(&l, 2, 512, 512, now);
-    /* A pixel takes 1 us: the coarse pass is shared by both slots, then tasks take as long as they should. */
+    /* A pixel takes 1 us: both slots share the coarse pass, then tasks have their length. */
     longest = work(&l, &now, 10000);
     assert_in_range(longest, LOOK_TASK_LEAST, 16384 / 4);
     uint64_t most = longest;
