@@ -9,7 +9,7 @@
 #:   make need              installs what a build needs
 #:
 #: Tests
-#:   make check             one build, and every test of behaviour once: 11 minutes of two idle cores
+#:   make check             one build, and every test of behaviour once: 10 minutes of two idle cores
 #:   make reach             sanitizers, mutants, analyzers, models and the second compiler, for what changed since the last
 #:                          make nightly that passed; everything takes 10 minutes
 #:   make nightly           all tests, longer, with seeds of the date: half an hour of two idle cores; writes
