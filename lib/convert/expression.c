@@ -115,8 +115,7 @@ static bool number(struct parser *p)
     }
     if (n && n < sizeof text) memcpy(text, p->at, n);
     if (!parse_real(text, -GRID_MAX, GRID_MAX, &v)) return fail(p, "a number or a variable");
-    const char *end = p->at + n;
-    p->at = end;
+    p->at += n;
     return add(p, (struct convert_step){CONVERT_NUMBER, 0, v});
 }
 
@@ -125,7 +124,8 @@ static bool call(struct parser *p, enum convert_operation what)
 {
     if (!took(p, '(')) return fail(p, "(");
     if (!sum(p)) return false;
-    if (what == CONVERT_HYPOT && (!took(p, ',') || !sum(p))) return *p->err || fail(p, ",");
+    if (what == CONVERT_HYPOT && !took(p, ',')) return fail(p, ",");
+    if (what == CONVERT_HYPOT && !sum(p)) return false;
     return took(p, ')') ? add(p, (struct convert_step){what, 0, 0}) : fail(p, ")");
 }
 
@@ -247,7 +247,6 @@ static bool combine(
     const bool scales = what == CONVERT_BY || what == CONVERT_OVER;
     char out[CONVERT_TEXT];
     if (scales) {
-        if (a->number && b->number) return true;
         if (b->number) return true;
         if (a->number && what == CONVERT_BY) {
             *a = *b;
