@@ -187,7 +187,7 @@ static void list(struct cf_file *c, const struct options *o)
         die(ST_USAGE, "%s: %s", o->common.file, err);
     if (!n)
         printf("# no variable has two dimensions or more, as a field on a grid has; ncdump -h "
-               "prints what is there\n");
+               "lists the variables\n");
     convert_table_print(&table);
 }
 

@@ -1,4 +1,4 @@
-/* stormview: looks around in a grid, while a command renders. */
+/* stormview: looks around in a grid or a scene, while a command renders. */
 #include "base/base.h"
 #include "task/task.h"
 #include "viewer/viewer.h"

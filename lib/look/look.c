@@ -115,9 +115,8 @@ static int64_t most_tasks(const struct look *l)
 static uint64_t task_px(const struct look *l, uint64_t pass_px)
 {
     const uint64_t slots = (uint64_t)l->slots;
-    uint64_t most = l->px_per_us > 0 ? (uint64_t)(l->px_per_us * LOOK_TASK_US) : l->have.done / 8;
-    uint64_t share = l->pass ? l->left / (2 * slots) : pass_px / (3 * slots);
-    if (l->px_per_us <= 0) most = share;
+    const uint64_t share = l->pass ? l->left / (2 * slots) : pass_px / (3 * slots);
+    uint64_t most = l->px_per_us > 0 ? (uint64_t)(l->px_per_us * LOOK_TASK_US) : share;
     if (most > share) most = share;
     return most > LOOK_TASK_LEAST ? most : LOOK_TASK_LEAST;
 }

@@ -70,7 +70,7 @@ bool look_next(struct look *l, int64_t now_us, struct task *t);
 /* A slot has computed the task in wall_us, or -1. */
 void look_done(struct look *l, uint32_t frame, uint32_t id, int64_t wall_us);
 /* Pixels have come, of a task or of a piece of one. False: t is no part of a task that was asked
- * for, and nothing is taken. */
+ * for, and nothing is taken. Of an earlier view rgba does not count. */
 bool look_frag(struct look *l, const struct task *t, const float *rgba, int64_t now_us);
 /* The task will not be computed. Returns its missing pixels; 0: it is of no view, or an old one. */
 uint64_t look_fail(struct look *l, uint32_t frame, uint32_t id, int64_t now_us);
@@ -101,7 +101,7 @@ struct look_camera look_turn(struct look_camera c, double dx, double dy);
 struct look_camera look_move(struct look_camera c, double dx, double dy);
 /* The distance from the eye to `at`, times this. */
 struct look_camera look_zoom(struct look_camera c, double times);
-/* Moves both so that what is seen at the point, from the frame's centre, comes to its centre. */
+/* Moves eye and `at` so that the point at dx, dy from the frame's centre comes to its centre. */
 struct look_camera look_centre(struct look_camera c, double dx, double dy);
 
 #endif

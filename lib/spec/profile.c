@@ -9,10 +9,7 @@ bool spec_add_level(struct spec_reader *r, const double v[2])
     if (s->n_profile && v[0] <= s->profile[s->n_profile - 1].z)
         return spec_fail(r, "profile: %.17g after %.17g, expected heights that ascend", v[0],
             s->profile[s->n_profile - 1].z);
-    if (s->n_profile == r->room_profile) {
-        r->room_profile = s->n_profile ? 2 * s->n_profile : 16;
-        s->profile = xrealloc(s->profile, r->room_profile, sizeof *s->profile);
-    }
+    s->profile = xgrown(s->profile, s->n_profile, sizeof *s->profile);
     s->profile[s->n_profile++] = (struct spec_level){v[0], v[1]};
     return true;
 }

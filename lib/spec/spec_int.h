@@ -22,7 +22,7 @@ struct spec_reader {
     unsigned seen;        /* one bit per word */
     struct spec *s;
     struct spec_list list[SPEC_LISTS];
-    size_t room_isos, room_slices, room_profile;
+    size_t room_isos, room_slices;
     double palette[SPEC_PALETTE_POINTS][3]; /* if seen */
 };
 

@@ -37,7 +37,7 @@ void spec_survey_deviations(const struct grid *g, bool from_zero, struct spec_de
 /* ---- how they are seen (look.c) ------------------------------------------------------------- */
 
 struct spec_box {
-    double chord;     /* the mean length of rays in what is seen, in scaled space */
+    double chord;     /* the mean length of a ray in the visible values, in scaled space */
     struct vec3 lamp; /* for surfaces */
 };
 /* Appends the lines that say how the field is seen. */

@@ -113,12 +113,12 @@ static void take_frag(struct viewer *v, const struct record *r)
 {
     char job[WIRE_JOB];
     const struct task *t = &r->task;
-    if (t->frame == v->look.frame &&
-        (!rec_str(r, "job", job, sizeof job) || strcmp(job, v->job) != 0)) {
+    const bool now = t->frame == v->look.frame;
+    if (now && (!rec_str(r, "job", job, sizeof job) || strcmp(job, v->job) != 0)) {
         refuse(v, "pixels of another job, expected those of `frame`");
         return;
     }
-    rec_pixels(r, v->rgba);
+    if (now) rec_pixels(r, v->rgba); /* late ones are only counted */
     if (!look_frag(&v->look, t, v->rgba, now_us()))
         refuse(v, "pixels of frame %" PRIu32 ", expected those of tasks", t->frame);
 }

@@ -48,7 +48,7 @@ static void centre(const struct act *a)
     aim(a->v, look_centre(camera(a), part(a, a->e->x - s->w / 2.), part(a, a->e->y - s->h / 2.)));
 }
 
-/* ---- what is seen ---------------------------------------------------------------------------- */
+/* ---- colours, surfaces, light, files --------------------------------------------------------- */
 
 static void recolour(struct viewer *v, int palette)
 {
