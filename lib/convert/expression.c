@@ -279,7 +279,7 @@ static bool combine(
 bool convert_request_unit(
     struct convert_request *r, const char *const *unit, const bool *difference, char err[ERR_BYTES])
 {
-    struct measure stack[CONVERT_STEPS + 1];
+    struct measure stack[CONVERT_STEPS + 1] = {{.number = true}};
     int n = 0;
     for (int i = 0; i < r->n_steps; i++) {
         const struct convert_step *s = &r->step[i];
@@ -320,7 +320,7 @@ static double computed(enum convert_operation what, double a, double b)
 
 double convert_request_at(const struct convert_request *r, const float *const *part, size_t i)
 {
-    double stack[CONVERT_STEPS + 1];
+    double stack[CONVERT_STEPS + 1] = {0};
     int n = 0;
     for (int k = 0; k < r->n_steps; k++) {
         const struct convert_step *s = &r->step[k];
