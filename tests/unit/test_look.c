@@ -77,7 +77,6 @@ static bool send_all(struct run *r)
         if (!send_task(r, &t)) return false;
     const size_t most = (size_t)r->slots * LOOK_DEPTH_MOST;
     if (fresh(r) > most) return wrong(r, "more tasks under way than the slots may hold");
-    if (r->n > 2 * most) return wrong(r, "old tasks are not counted");
     return true;
 }
 
@@ -252,17 +251,33 @@ static void tasks_have_the_measured_length(void **state)
     look_init(&l);
     look_slots(&l, 2);
     look_view(&l, 1, 512, 512, now);
+    /* Before anything is measured, both slots share the coarse pass. */
+    assert_in_range(work(&l, &now, 10000), LOOK_TASK_LEAST, 16384 / 4);
     while (!look_whole(&l)) work(&l, &now, 10000);
     look_view(&l, 2, 512, 512, now);
-    /* A pixel takes 1 us: both slots share the coarse pass, then tasks have their length. */
-    uint64_t longest = work(&l, &now, 10000);
-    assert_in_range(longest, LOOK_TASK_LEAST, 16384 / 4);
-    uint64_t most = longest;
+    uint64_t most = 0; /* a pixel takes 1 us */
     for (int i = 0; i < 20; i++) {
-        longest = work(&l, &now, 10000);
+        const uint64_t longest = work(&l, &now, 10000);
         if (longest > most) most = longest;
     }
     assert_in_range(most, (uint64_t)(.8 * LOOK_TASK_US), (uint64_t)(1.05 * LOOK_TASK_US));
+    look_free(&l);
+}
+
+/* What is under way of views that were left holds up the next one. */
+static void old_tasks_count(void **state)
+{
+    (void)state;
+    struct look l;
+    struct task t;
+    int sent = 0;
+    look_init(&l);
+    look_slots(&l, 3);
+    for (uint32_t frame = 1; frame < 9; frame++) {
+        look_view(&l, frame, 512, 512, frame);
+        while (look_next(&l, frame, &t)) sent++;
+    }
+    assert_int_equal(sent, 2 * 3 * LOOK_DEPTH);
     look_free(&l);
 }
 
@@ -365,6 +380,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_seed_holds),
         cmocka_unit_test(tasks_have_the_measured_length),
+        cmocka_unit_test(old_tasks_count),
         cmocka_unit_test(a_slow_task_is_no_far_host),
         cmocka_unit_test(a_view_waits_for_the_coarse_picture),
         cmocka_unit_test(a_long_trip_needs_more_tasks),
