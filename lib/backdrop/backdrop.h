@@ -29,9 +29,10 @@ struct backdrop {
 };
 
 /* The names in a grid's title. */
+#define BACKDROP_NAMED (2 * GRID_NAME + 16)
 struct backdrop_names {
     struct grid_named scalar, x, z;
-    char title[2 * GRID_NAME + 16];
+    char title[2 * BACKDROP_NAMED];
 };
 /* Sets title, flat, unit, levels and down from the title of b's grid, which n keeps. title: that of
  * the legend, or NULL. unit: of heights, with a minus sign for depths and pressures, or NULL. */

@@ -28,7 +28,7 @@ void drawing_init(struct drawing *s, const struct backdrop *b)
     s->camera = camera_new(v3_of(spec->from), v3_of(spec->at), v3_of(spec->up), spec->angle);
     for (int a = 0; a < 3; a++) {
         bool turned = a == 2 && spec->scale[a] < 0;
-        uint32_t last = b->grid->n[a] - 1;
+        uint32_t last = a == 2 && b->grid->flat ? 0 : b->grid->n[a] - 1;
         s->lo[a] = b->grid->at[a][turned ? last : 0];
         s->hi[a] = b->grid->at[a][turned ? 0 : last];
     }

@@ -44,6 +44,8 @@ struct spec {
     size_t n_colours;
     struct spec_knot *ground; /* by the height of the ground; none: it is not seen; k = 0 */
     size_t n_grounds;
+    bool flat; /* the ground is a plane, which its values colour; transparent beyond the knots */
+    double flat_at, flat_opacity; /* in the grid's coordinates; 0 .. 1 */
     struct spec_level *profile; /* ascending by z; none: nothing is subtracted */
     size_t n_profile;
     bool clipped;
@@ -87,6 +89,9 @@ struct spec_wish {
  */
 bool spec_starter(
     const struct grid *g, const struct spec_wish *wish, struct buf *out, char err[ERR_BYTES]);
+
+/* True if the ground of g is a terrain: its values are heights in the unit of z that differ much. */
+bool spec_is_terrain(const struct grid *g);
 
 /* The profile at height z: linear between its levels, constant beyond them. */
 double spec_profile_at(const struct spec *s, double z);
