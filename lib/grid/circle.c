@@ -27,7 +27,7 @@ static double greatest_step(const struct grid *g, int axis)
     return step;
 }
 
-/* Columns of a grid in another order: of[i] is the old number of column i; NONE: it has no value. */
+/* Columns of a grid in another order. of[i]: the old number of column i; NONE: it has no value. */
 #define NONE UINT32_MAX
 struct columns {
     double *at;
@@ -68,8 +68,8 @@ static uint32_t columns_of_circle(const struct grid *g, double slack)
     return n;
 }
 
-/* Copies of the ground, one for each circle, as far as they are between lo and hi, or next to it.
- * Those of a part of the globe do not meet: a column without values keeps them apart. */
+/* Copies of the ground, one for each circle: the columns between lo and hi, and the next ones. Those
+ * of a part of the globe do not meet: a column without values keeps them apart. */
 static struct columns columns_between(
     const struct grid *g, uint32_t n, bool globe, double lo, double hi)
 {
@@ -96,7 +96,7 @@ void grid_turn_ground(struct grid *ground, const struct grid *g)
     if (x[0] <= lo && x[ground->n[0] - 1] >= hi) return;
     const uint32_t n = columns_of_circle(ground, slack);
     const bool globe = n >= COLUMNS && x[0] + CIRCLE - x[n - 1] <= step + slack;
-    /* A part of the globe stays where it is unless another circle has some of it. */
+    /* A part of the globe stays in place, unless a copy of it is between lo and hi. */
     if (!globe && x[0] + CIRCLE >= hi && x[n - 1] - CIRCLE <= lo && x[0] < hi && x[n - 1] > lo)
         return;
     struct columns c = columns_between(ground, n, globe, lo, hi);

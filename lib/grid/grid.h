@@ -109,7 +109,8 @@ struct grid_file;
 struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES]);
 const struct grid *grid_file_grid(const struct grid_file *f);
 /* Sets names and titles of the second field and of the ground, if the file has them. Values are
- * passed over. Call it before grid_file_cut. False with a message in err if what follows the first grid is invalid. */
+ * passed over. Call it before grid_file_cut. False with a message in err if what follows the first
+ * grid is invalid. */
 bool grid_file_further(struct grid_file *f, char err[ERR_BYTES]);
 void grid_file_close(struct grid_file *f);
 #define GRID_BRICKS_MAX 256 /* all are open at the same time */

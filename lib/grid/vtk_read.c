@@ -263,7 +263,8 @@ static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
         return true;
     }
     if (g->flat)
-        return vtk_fail(r, "a grid of several levels after one of one, expected it before that one");
+        return vtk_fail(
+            r, "a grid of several levels after one of one, expected it before that one");
     if (g->second) return vtk_fail(r, "a third grid of several levels, expected two at most");
     if (!same_axes(g, h)) grid_turn_second(h, g);
     if (!same_axes(g, h))

@@ -318,12 +318,12 @@ static void put_terrain(const struct grid *g, struct buf *out)
             heights[i].g, heights[i].b);
 }
 
-void spec_put_ground(const struct grid *g, struct buf *out)
+void spec_put_ground(const struct grid *g, bool terrain, struct buf *out)
 {
     double palette[SPEC_PALETTE_POINTS][3], rgb[3];
     char lo[32], hi[32];
     struct spec_survey v;
-    if (spec_is_terrain(g)) {
+    if (terrain) {
         put_terrain(g, out);
         return;
     }

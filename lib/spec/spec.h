@@ -90,9 +90,6 @@ struct spec_wish {
 bool spec_starter(
     const struct grid *g, const struct spec_wish *wish, struct buf *out, char err[ERR_BYTES]);
 
-/* True if the ground of g is a terrain: its values are heights in the unit of z that differ much. */
-bool spec_is_terrain(const struct grid *g);
-
 /* The profile at height z: linear between its levels, constant beyond them. */
 double spec_profile_at(const struct spec *s, double z);
 /* The field that the specification shows: the values of the grid, less the profile. The caller

@@ -116,7 +116,8 @@ static void put_place(struct buf *out, const char *word, struct vec3 p, double s
 
 #define TERRAIN .002 /* of the grid's height: heights of a terrain differ by more */
 
-bool spec_is_terrain(const struct grid *g)
+/* True if the values of the ground are heights in the unit of z that differ enough to be seen. */
+static bool is_terrain(const struct grid *g)
 {
     struct grid_named z, h;
     float lo = HUGE_VALF, hi = -HUGE_VALF; /* fminf and fmaxf pass over NaN */
@@ -260,7 +261,7 @@ bool spec_starter(
     if (!g->flat) put_stretch(out, &f, unit);
     buf_printf(out, "scale %.6g %.6g %.6g\n", f.scale[0], f.scale[1], f.scale[2]);
     buf_printf(out, "background .02 .02 .025\n");
-    if (g->ground) spec_put_ground(g, out);
+    if (g->ground) spec_put_ground(g, is_terrain(g), out);
     if (wish->kind == SPEC_AUTO && !g->flat && is_tomogram(g))
         return put_tissues(out, &f, mean_chord(&f, v.part)), true;
     const struct spec_box box = {.chord = mean_chord(&f, v.part), .lamp = lamp(&f)};

@@ -43,7 +43,7 @@ struct spec_box {
 /* Appends the lines that say how the field is seen. */
 void spec_look(const struct grid *g, const struct spec_survey *v, const struct spec_wish *wish,
     const struct spec_box *box, struct buf *out);
-/* Appends the lines of the ground of g: of a terrain, or flat. */
-void spec_put_ground(const struct grid *g, struct buf *out);
+/* Appends the lines of the ground of g, whose values are heights of a terrain, or flat. */
+void spec_put_ground(const struct grid *g, bool terrain, struct buf *out);
 
 #endif
