@@ -68,8 +68,8 @@ static uint32_t columns_of_circle(const struct grid *g, double slack)
     return n;
 }
 
-/* Copies of the ground, one for each circle: the columns between lo and hi, and the next ones. Those
- * of a part of the globe do not meet: a column without values keeps them apart. */
+/* Copies of the ground, one for each circle: the columns between lo and hi, and the next ones.
+ * Those of a part of the globe do not meet: a column without values keeps them apart. */
 static struct columns columns_between(
     const struct grid *g, uint32_t n, bool globe, double lo, double hi)
 {
