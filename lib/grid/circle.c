@@ -11,11 +11,13 @@
 #define CIRCLE 360
 #define SLACK .01     /* of a step: coordinates are rounded, to float or to some decimals */
 #define COLUMNS 3     /* of a globe, at least */
-#define RANGE_MAX 720 /* of the first grid: a larger one is no part of a map */
+#define COLUMNS_MAX 16777216
+#define FARTHEST 1080 /* from 0: numbers beyond it are no longitudes */
 
 static bool in_degrees(const struct grid *g)
 {
     struct grid_named x;
+    if (g->at[0][0] < -FARTHEST || g->at[0][g->n[0] - 1] > FARTHEST) return false;
     return grid_title(g->title, 'x', &x) && strncasecmp(x.unit, "degree", 6) == 0;
 }
 
@@ -34,8 +36,10 @@ struct columns {
     uint32_t *of, n;
 };
 
+/* Columns that rounding puts into one place become one. */
 static void add_column(struct columns *c, double at, uint32_t of)
 {
+    if (c->n && !(at - c->at[c->n - 1] >= GRID_STEP_MIN)) return;
     c->at = xgrown(c->at, c->n, sizeof *c->at);
     c->of = xgrown(c->of, c->n, sizeof *c->of);
     c->at[c->n] = at;
@@ -92,7 +96,7 @@ void grid_turn_ground(struct grid *ground, const struct grid *g)
 {
     const double *x = ground->at[0], lo = g->at[0][0], hi = g->at[0][g->n[0] - 1];
     const double step = greatest_step(ground, 0), slack = SLACK * step;
-    if (!in_degrees(g) || !in_degrees(ground) || hi - lo > RANGE_MAX) return;
+    if (!in_degrees(g) || !in_degrees(ground) || ground->n[0] > COLUMNS_MAX) return;
     if (x[0] <= lo && x[ground->n[0] - 1] >= hi) return;
     const uint32_t n = columns_of_circle(ground, slack);
     const bool globe = n >= COLUMNS && x[0] + CIRCLE - x[n - 1] <= step + slack;

@@ -102,8 +102,8 @@ double grid_at(const struct grid *g, const double p[3]);
  * A grid file that is larger than memory (cut.c): the file is mapped, and its pages are returned as
  * they are read. It must not shrink meanwhile. "-" is standard input, which must be a file.
  * grid_file_open returns NULL with the message in err, and dies with status 2 if there is no such
- * file. grid_file_grid has no values, and one level if the
- * file has. err stays in use until grid_file_cut has another one.
+ * file. grid_file_grid has no values, and one level if the file has. err stays in use until
+ * grid_file_cut has another one.
  */
 struct grid_file;
 struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES]);
