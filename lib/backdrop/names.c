@@ -27,6 +27,12 @@ static const char *flat_unit(const struct grid *g, struct grid_named *x)
     return is_rotated(x->name) ? BACKDROP_DEGREE : NULL;
 }
 
+bool backdrop_on_globe(const struct grid *g)
+{
+    struct grid_named x;
+    return !flat_unit(g, &x) && grid_title(g->title, 'x', &x) && x.unit[0];
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {

@@ -227,6 +227,10 @@ static double low_level(const struct grid *g)
 static void put_slices(struct buf *out, const struct grid *g)
 {
     const double *x = g->at[0], *y = g->at[1];
+    if (spec_is_section(g)) {
+        buf_printf(out, "slice y %.9g 1\n", (y[0] + y[1]) / 2);
+        return;
+    }
     buf_printf(out, "slice x %.9g 1\n", (x[0] + x[g->n[0] - 1]) / 2);
     buf_printf(out, "slice y %.9g 1\n", y[0] + NORTH * (y[g->n[1] - 1] - y[0]));
     buf_printf(out, "slice z %.9g 1\n", low_level(g));
@@ -265,6 +269,7 @@ void spec_look(const struct grid *g, const struct spec_survey *v, const struct s
 {
     struct bands m = bands_of(v);
     enum spec_kind kind = wish->kind;
+    if (kind == SPEC_AUTO && spec_is_section(g)) kind = SPEC_SLICES;
     if (kind == SPEC_AUTO) kind = v->by_level > LAYERED || is_signed(v) ? SPEC_ANOMALY : SPEC_FOG;
     if (kind == SPEC_ANOMALY && put_anomaly(g, v, wish, box->chord, out)) return;
     put_palette(out, wish->palette, SPEC_STARTER_PALETTE);

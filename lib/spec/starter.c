@@ -10,6 +10,8 @@
 #define HEIGHT .25 /* least height of the box, in its longest side */
 #define WIDTH .125 /* least width or depth */
 #define TALL 4     /* greatest height */
+#define WALL .5    /* least height of a section */
+#define THIN .02   /* least width of it */
 #define ANGLE 30   /* degrees */
 #define FILL .9    /* part of the frame that the box fills */
 #define TURNS 50   /* of a fit; each brings the box to a part of the last error */
@@ -44,12 +46,13 @@ static double six_digits(double v)
 /* False if no scale that a specification may have is large enough. */
 static bool set_scale(const struct grid *g, struct frame *f, const struct grid_named unit[3])
 {
+    const bool section = spec_is_section(g);
     double e[3];
     for (int a = 0; a < 3; a++) e[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double longest = fmax(e[0], e[1]);
     const double base = longest > 1e9 ? 1e-9 : longest < 1e-9 ? 1e9 : 1;
     for (int a = 0; a < 3; a++) {
-        double least = a == 2 ? HEIGHT : WIDTH, fitting = 1;
+        double least = a == 2 ? section ? WALL : HEIGHT : section ? THIN : WIDTH, fitting = 1;
         bool same = a != 2 || strcmp(unit[0].unit, unit[2].unit) == 0;
         if (e[a] < least * longest || !same) fitting = least * longest / e[a];
         else if (e[a] > TALL * longest) fitting = TALL * longest / e[a];
@@ -77,10 +80,10 @@ static void outline(const struct frame *f, const struct camera *c, double lo[2],
 }
 
 /* Finds the eye from which the box fills the frame. */
-static void set_view(struct frame *f, uint32_t w, uint32_t h)
+static void set_view(struct frame *f, bool section, uint32_t w, uint32_t h)
 {
-    const struct vec3 towards =
-        v3_unit(v3(-.35, -1, .9)); /* the eye: south, a little west, above */
+    /* the eye: south, a little west, above; nearly level before a section */
+    const struct vec3 towards = v3_unit(section ? v3(-.1, -1, .12) : v3(-.35, -1, .9));
     const double size = v3_len(v3_sub(f->hi, f->lo));
     double distance = 2 * size, lo[2], hi[2];
     f->at = v3_scale(v3_add(f->lo, f->hi), .5);
@@ -229,7 +232,7 @@ bool spec_starter(
         if (!grid_title(g->title, "xyz"[a], &unit[a])) unit[a] = (struct grid_named){.down = false};
     if (!set_scale(g, &f, unit))
         return err_set(err, "an axis is 1e9 times as long as another, expected lengths closer");
-    set_view(&f, wish->w, wish->h);
+    set_view(&f, spec_is_section(g), wish->w, wish->h);
 
     put_about(out, g, &v, unit);
     put_place(out, "from", f.from, f.step);

@@ -1,0 +1,99 @@
+#!/bin/sh
+# isolines: circles of a cone, saddles by their centre, missing values, levels between levels; backdrop: texts along lines,
+# named places; names that are no text; refusals.
+. "$(dirname "$0")/lib.sh"
+
+# grid NAME TITLE NX NY AWK: two levels, at 0 and 10; x = i, y = j; AWK sets s at i, j and level k
+grid() {
+	awk -v nx="$3" -v ny="$4" -v title="$2" 'BEGIN {
+		printf "# vtk DataFile Version 3.0\n%s\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS %d %d 2\n", title, nx, ny
+		print "X_COORDINATES " nx " float"; for (i = 0; i < nx; i++) print i
+		print "Y_COORDINATES " ny " float"; for (j = 0; j < ny; j++) print j
+		print "Z_COORDINATES 2 float\n0 10\nPOINT_DATA " nx * ny * 2 "\nSCALARS s float 1\nLOOKUP_TABLE default"
+		for (k = 0; k < 2; k++) for (j = 0; j < ny; j++) for (i = 0; i < nx; i++) { '"$5"'; print s }
+	}' >"$1.vtk"
+}
+
+# ---- the lines ---------------------------------------------------------------------------------------------
+grid cone 'h [m]; x east [km]; y north [km]; z up [m]' 41 41 's = sqrt((i - 20) ^ 2 + (j - 20) ^ 2) + k'
+isolines -v 5.5,12.25 cone.vtk >lines
+# A chord of a cell is inside of the circle by 1/8 of its length squared over the radius; linear interpolation adds as much.
+is 'isolines of a cone are circles, closed, and once round the middle' "$(awk '
+	function ring() { if (n) printf "%s %s %.2f ", name, x == x0 && y == y0 ? "closed" : "open", turn / 8 / atan2(1, 1) }
+	/^>/ { ring(); name = $3; n = turn = 0; next }
+	{ r = sqrt(($1 - 20) ^ 2 + ($2 - 20) ^ 2); if ((r - name) ^ 2 > .03 ^ 2) printf "(%s at %s) ", r, name
+	  if (n++) { c = (x - 20) * ($2 - 20) - (y - 20) * ($1 - 20); c /= r * sqrt((x - 20) ^ 2 + (y - 20) ^ 2); turn += c < 0 ? -c : c }
+	  else { x0 = $1; y0 = $2 }
+	  x = $1; y = $2 }
+	END { ring() }' lines)" '5.5 closed 1.00 12.25 closed 1.00 '
+is '-z: between two levels the field is linear' "$(isolines -z 5 -v 6 cone.vtk | sed 's/^> line 6/> line 5.5/')" "$(isolines -v 5.5 cone.vtk)"
+is 'without options: the lowest level, and round values' "$(isolines cone.vtk | sed -n 's/^> line //p' | uniq | tr '\n' ,)" '5,10,15,20,25,'
+is '-e' "$(isolines -e 7.5 cone.vtk | sed -n 's/^> line //p' | uniq | tr '\n' ,)" '7.5,15,22.5,'
+# saddle A B C D VALUE: the lines of one cell, with corners counterclockwise
+saddle() {
+	grid saddle x 2 2 's = j ? (i ? '"$3 : $4"') : (i ? '"$2 : $1"')'
+	isolines -v "$5" saddle.vtk | grep -v '>' | paste -d' ' - - | awk '{ print $1 < $3 || ($1 == $3 && $2 < $4) ? $0 : $3 " " $4 " " $1 " " $2 }' | sort | tr '\n' ,
+}
+is 'a saddle whose centre is above: round the low corners' "$(saddle 0 4 0 4 1)" '0 0.25 0.25 0,0.75 1 1 0.75,'
+is 'a saddle whose centre is below: round the high corners' "$(saddle 0 4 0 4 3)" '0 0.75 0.25 1,0.75 0 1 0.25,'
+is 'the other saddle, above' "$(saddle 4 0 4 0 1)" '0 0.75 0.25 1,0.75 0 1 0.25,'
+is 'the other saddle, below' "$(saddle 4 0 4 0 3)" '0 0.25 0.25 0,0.75 1 1 0.75,'
+grid holed x 6 3 's = i == 3 && j == 2 ? "nan" : j'
+is 'a missing value breaks lines' "$(isolines -v 1.5,.5 holed.vtk | tr '\n' ,)" \
+	'> line 1.5,0 1.5,1 1.5,2 1.5,> line 1.5,4 1.5,5 1.5,> line 0.5,0 0.5,1 0.5,2 0.5,3 0.5,4 0.5,5 0.5,'
+grid flat x 3 3 's = 7'
+is 'of a plane without heights there are none' "$(isolines flat.vtk; isolines -v 7 flat.vtk)" ''
+# Each point is on one line, and no two lines share an edge: noise has all cases. As many points as edges that are crossed.
+grid noise x 30 30 's = int(rand() * 5)'
+is 'noise: a point for each edge that is crossed, and one more for each closed line' "$(isolines -v 1.5 noise.vtk | awk '
+	/^>/ { if (n && x == x0 && y == y0) closed++; n = 0; next }
+	{ all++; if (!n++) { x0 = $1; y0 = $2 } x = $1; y = $2 } END { if (x == x0 && y == y0) closed++; print all - closed }')" \
+	"$(sed '1,/^LOOKUP/d' noise.vtk | awk 'NR <= 900 { v[NR - 1] = $1 > 1.5 } END {
+		for (j = 0; j < 30; j++) for (i = 0; i < 30; i++) { k = 30 * j + i; n += (i < 29 && v[k] != v[k + 1]) + (j < 29 && v[k] != v[k + 30]) } print n }')"
+grid globe 'p [hPa]; x lon [degrees_east]; y lat [degrees_north]; z up [m]' 21 11 's = 1000 + i'
+is 'on the globe, that is the first line' "$(isolines globe.vtk | head -n 1)" '> globe'
+isnt() { if [ "$2" != "$3" ]; then ok "$1" true; else ok "$1" false; fi; }
+isnt 'on a plane it is not' "$(isolines cone.vtk | head -n 1)" '> globe'
+for bad in '' '-z 11 cone.vtk' '-e 0 cone.vtk' '-e 1 -v 1 cone.vtk' '-e 1e-9 cone.vtk' '-v x cone.vtk' 'none.vtk' '-z -1 cone.vtk' 'cone.vtk cone.vtk'; do
+	# shellcheck disable=SC2086
+	run isolines $bad
+	is "refused: isolines $bad" "$status:$out" 2:
+done
+isolines cone.vtk >/dev/full 2>err
+is 'a full disk is exit 3' "$?" 3
+
+# ---- on the map --------------------------------------------------------------------------------------------
+printf '%s\n' 'from 20 20 90' 'at 20 20 0' 'up 0 1 0' 'angle 40' 'resolution 600 600' 'map -1 1 0 0 1' 'map 99 1 0 0 1' >above.spec
+# points NAME FILE: the points of a data block
+points() { awk -v name="\$$1" '$1 == "EOD" { on = 0 } on; $1 == name { on = 1 }' "$2"; }
+printf '> line 1000\n2 5\n38 5\n> line\n2 9\n38 9\n> line up\n2 12\n10 38\n' >lines
+printf "> mark  O'Hare \`id\` \$(id) @x \"\\\\\n20 30\n> mark Ås\n99 99\n>mark not\n30 30\n" >>lines
+backdrop cone.vtk above.spec lines >texts.gp
+is 'a text is in a gap of its line' "$(points numbered texts.gp | awk '!NF { n++ } END { print n }')" 5
+is 'level lines have level texts' "$(grep -c "^set label '1000' at [0-9.]*,[0-9.]* center front noenhanced\$" texts.gp)" 1
+like 'a text is turned as its line is' "$(cat texts.gp)" "^set label 'up' at .* center front noenhanced rotate by 72.9"
+is 'the gap is around the text' "$(points numbered texts.gp | awk -v at="$(sed -n "s/^set label '1000' at \([0-9.]*\),.*/\1/p" texts.gp)" '
+	NF && n < 4 { x[++n] = $1 } END { print (at - x[2] > 15 && x[3] - at > 15 && x[3] - x[2] < 60) }')" 1
+is 'a place has a dot, and its name as it is, which runs nothing' "$(points dots texts.gp | grep -c .) $(grep -c "^set label 'O''Hare \`id\` \$(id) @x \"\\\\' at" texts.gp)" '1 1'
+printf '> line %s\n2 5\n38 5\n' 'back down' >down
+sed 's/^up .*/up 0 -1 0/' above.spec >turned.spec
+like 'no text is upside down' "$(backdrop cone.vtk turned.spec down)" "^set label 'back down' at [0-9.,]* center front noenhanced\$"
+for _ in $(seq 40); do printf '> mark Somewhere\n20 20\n'; done >crowd
+is 'names that would cover others are left out' "$(backdrop cone.vtk above.spec crowd | grep -c "^set label 'Somewhere'")" 2
+for name in '' "$(printf 'a\033[2Jb')" "$(printf 'a\302\205')" "$(printf '\377')" "$(printf '%0101d' 0)"; do
+	printf '1 2\n> mark %s\n3 4\n' "$name" >bad
+	run backdrop cone.vtk above.spec bad
+	is 'a name that is none is refused' "$status:$out:$err" \
+		'2::backdrop: bad:2: expected a name of 1 to 100 bytes without control characters, in UTF-8'
+done
+printf '1 2\n> line a\ab\n3 4\n' >bad
+run backdrop cone.vtk above.spec bad
+like 'so is a text' "$status:$err" '^2:backdrop: bad:2: '
+if [ -n "$(command -v gnuplot)" ]; then
+	ok 'gnuplot draws them, and says nothing' sh -c 'gnuplot texts.gp >texts.png 2>said && [ ! -s said ]'
+	if there "$root/build/unit/test_paint"; then
+		"$root/build/unit/test_paint" cone.vtk above.spec lines painted.ppm
+		ok 'a window paints them in the same places' imgcmp -t .15 -f .004 painted.ppm texts.png
+	fi
+else skip 'lines with texts as pictures' 'there is no gnuplot'; fi
+finish
