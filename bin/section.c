@@ -48,7 +48,8 @@ static void check(const struct options *o, const struct grid *g, bool globe)
     if (g->brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o->path);
     for (int i = 0; i < 2; i++)
         if (!plane_inside(g, o->end[i], globe))
-            die(ST_USAGE, "-l: %g,%g is outside of the grid, expected x from %g to %g, y from %g to %g",
+            die(ST_USAGE,
+                "-l: %g,%g is outside of the grid, expected x from %g to %g, y from %g to %g",
                 o->end[i].x, o->end[i].y, g->at[0][0], g->at[0][g->n[0] - 1], g->at[1][0],
                 g->at[1][g->n[1] - 1]);
     const double length = plane_length(o->end[0], o->end[1], globe);

@@ -90,10 +90,33 @@ printf '1 2\n> line a\ab\n3 4\n' >bad
 run backdrop cone.vtk above.spec bad
 like 'so is a text' "$status:$err" '^2:backdrop: bad:2: '
 if [ -n "$(command -v gnuplot)" ]; then
+	printf '%s\n' 'from 8 -60 70' 'at 20 18 0' 'up 0 0 1' 'angle 36' 'resolution 900 600' 'map -1 1 0 0 1' 'map 99 1 0 0 1' >oblique.spec
+	backdrop cone.vtk oblique.spec lines >texts.gp
 	ok 'gnuplot draws them, and says nothing' sh -c 'gnuplot texts.gp >texts.png 2>said && [ ! -s said ]'
 	if there "$root/build/unit/test_paint"; then
-		"$root/build/unit/test_paint" cone.vtk above.spec lines painted.ppm
+		"$root/build/unit/test_paint" cone.vtk oblique.spec lines painted.ppm
 		ok 'a window paints them in the same places' imgcmp -t .15 -f .004 painted.ppm texts.png
 	fi
 else skip 'lines with texts as pictures' 'there is no gnuplot'; fi
+
+# ---- section -----------------------------------------------------------------------------------------------
+grid slope 'T [K]; x east [km]; y north [km]; z -p [hPa]; t time 1 [hours]' 21 11 's = i + 100 * j + 1000 * k'
+section -l 2,1,14,6 -n 3 slope.vtk >section.vtk
+is 'section: its title' "$(sed -n 2p section.vtk)" 'T [K]; x distance [km]; y across [km]; z -p [hPa]; t time 1 [hours]'
+is 'linear values of each level, twice' "$(tail -c 49 section.vtk | od -An -tf4 --endian=big -w24 -N 48 | tr -s ' \n' ' ')" \
+	' 102 358 614 102 358 614 1102 1358 1614 1102 1358 1614 '
+like 'the distance along the line' "$(gridspec section.vtk)" '^# x: 0 to 13 km$'
+# From 0 E 60 N to 90 E 60 N the great circle is 4604.5 km, and half-way at 67.79 N.
+grid round 'T [K]; x lon [degrees_east]; y lat [degrees_north]; z up [m]' 91 91 's = j'
+section -l 360,60,-270,60 -n 3 round.vtk >section.vtk
+is 'section: the great circle, and whole circles' "$(tail -c 49 section.vtk | od -An -tf4 --endian=big -w12 -N 12 | awk '{ printf "%.2f %.2f %.2f", $1, $2, $3 }')" '60.00 67.79 60.00'
+like 'its length' "$(gridspec section.vtk)" '^# x: 0 to 4604[.]5[0-9]* km'
+like 'gridspec: from the side, as a slice' "$(gridspec section.vtk | grep '^slice' | tr '\n' ,)" '^slice y [0-9.]* 1,$'
+section -l 0,1,5,1 -n 6 holed.vtk >section.vtk
+is 'a neighbour that does not count may be missing' "$(tail -c 97 section.vtk | od -An -tf4 --endian=big -w24 -N 24 | tr -s ' ')" ' 1 1 1 1 1 1'
+for bad in 'cone.vtk' '-l 1,2,3 cone.vtk' '-l 1,2,1,2 cone.vtk' '-l 1,2,3,99 cone.vtk' '-l 1,2,3,4 -n 1 cone.vtk' '-l 1,2,3,4 none.vtk'; do
+	# shellcheck disable=SC2086
+	run section $bad
+	is "refused: section $bad" "$status:$out" 2:
+done
 finish

@@ -39,8 +39,8 @@ static bool take_text(struct backdrop_lines *l, const char *s, bool required)
     return true;
 }
 
-/* Parses "> land", "> water", "> globe", "> line TEXT" or "> mark NAME"; any other header is that of
- * a line. False if it has a bad name. */
+/* Parses "> land", "> water", "> globe", "> line TEXT" or "> mark NAME"; any other header is that
+ * of a line. False if it has a bad name. */
 static bool take_head(struct backdrop_lines *l, char *line)
 {
     static const char *const words[] = {[LINES_LAND] = "land",
@@ -80,7 +80,8 @@ static const char *read_line(struct backdrop_lines *l, char *line)
     double v[2];
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(l);
-        if (!take_head(l, line)) return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
+        if (!take_head(l, line))
+            return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
         return l->now.kind == LINES_GLOBE && l->now.o.flat
                    ? "longitudes and latitudes, which x and y of the grid are not, expected lines "
                      "in its coordinates, or none"

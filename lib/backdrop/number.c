@@ -134,8 +134,8 @@ static void pieces(struct writer *w, const struct backdrop_at *at, size_t n, con
         p.along[0] = 0;
         for (p.n = 0; i + p.n < n && !isnan(p.at[p.n].x); p.n++)
             if (p.n)
-                p.along[p.n] = p.along[p.n - 1] + hypot(p.at[p.n].x - p.at[p.n - 1].x,
-                                                      p.at[p.n].y - p.at[p.n - 1].y);
+                p.along[p.n] = p.along[p.n - 1] +
+                               hypot(p.at[p.n].x - p.at[p.n - 1].x, p.at[p.n].y - p.at[p.n - 1].y);
         if (p.n > 1) piece(w, &p, text);
     }
     free(p.along);

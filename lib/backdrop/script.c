@@ -1,7 +1,7 @@
 /* script: the drawing for gnuplot, which gets pixels. */
 #include "backdrop/drawing.h"
 
-#define POINT 6.0 /* pixels: across a disc of pointsize 1 */
+#define POINT 8.0 /* pixels: across a disc of pointsize 1 */
 #define UNIT .005 /* pngcairo places things at 200 units a pixel */
 
 /*

@@ -129,7 +129,8 @@ static void label(const struct canvas *c, struct paint *p, const struct backdrop
     cairo_restore(c->cr);
 }
 
-static void discs(const struct canvas *c, const struct backdrop_mark *m, const struct backdrop_at *at)
+static void discs(
+    const struct canvas *c, const struct backdrop_mark *m, const struct backdrop_at *at)
 {
     for (size_t i = 0; i < m->n; i++) {
         cairo_arc(c->cr, at[i].x, c->h - at[i].y, m->width / 2, 0, 2 * G_PI);

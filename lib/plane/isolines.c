@@ -17,8 +17,8 @@ struct tracer {
     const struct grid *g;
     const float *value;
     double v;
-    unsigned char *done;   /* for each cell: a bit for each edge whose point is in a line */
-    struct points way[2];  /* from the first cell of a line, forwards and backwards */
+    unsigned char *done;  /* for each cell: a bit for each edge whose point is in a line */
+    struct points way[2]; /* from the first cell of a line, forwards and backwards */
     struct points whole;
 };
 struct cell {
@@ -135,7 +135,8 @@ void plane_isolines(const struct grid *g, const float *value, double v, plane_li
             const struct cell c = {i, j};
             if (isnan(sum(&t, c))) continue;
             for (unsigned e = 0; e < 4; e++)
-                if (is_crossed(&t, c, e) && !(*done_of(&t, c) & 1u << e)) trace(&t, c, e, line, ctx);
+                if (is_crossed(&t, c, e) && !(*done_of(&t, c) & 1u << e))
+                    trace(&t, c, e, line, ctx);
         }
     free(t.done);
     free(t.way[0].at);

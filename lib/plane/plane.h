@@ -26,7 +26,8 @@ typedef void plane_line(void *ctx, const struct plane_point *at, size_t n);
  * whose four edges have a point, the mean of the corners, which is the value at the centre, decides
  * what is joined. Lines end at cells with a missing corner and at the edge of the grid.
  */
-void plane_isolines(const struct grid *g, const float *value, double v, plane_line *line, void *ctx);
+void plane_isolines(
+    const struct grid *g, const float *value, double v, plane_line *line, void *ctx);
 
 /* The length of a line between two places: km on the great circle if x and y are longitude and
  * latitude, otherwise that of the straight line, in the grid's unit. */

@@ -20,8 +20,8 @@ static double angle_of(const double a[3], const double b[3])
 {
     const double c[] = {
         a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    return atan2(sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]),
-        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+    return atan2(
+        sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
 double plane_length(struct plane_point a, struct plane_point b, bool globe)
@@ -73,7 +73,10 @@ static bool find(const double *at, uint32_t n, double v, uint32_t *cell, double 
 }
 
 /* A neighbour that does not count may be missing. */
-static double mix(double a, double b, double t) { return t <= 0 ? a : t >= 1 ? b : a + t * (b - a); }
+static double mix(double a, double b, double t)
+{
+    return t <= 0 ? a : t >= 1 ? b : a + t * (b - a);
+}
 
 static double at_level(const struct grid *g, struct plane_point p, uint32_t k)
 {
