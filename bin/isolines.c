@@ -57,7 +57,8 @@ static void take_values(struct options *o, const float *level, size_t n)
         die(ST_USAGE, "-e %g: %.0f values between %g and %g, expected %d at most", o->step,
             last - first + 1, least, most, VALUES_MAX);
     o->value = xcalloc(VALUES_MAX, sizeof *o->value);
-    for (double i = first; i <= last; i++) o->value[o->n_values++] = i * o->step;
+    for (; first + (double)o->n_values <= last; o->n_values++)
+        o->value[o->n_values] = (first + (double)o->n_values) * o->step;
 }
 
 static void print(void *ctx, const struct plane_point *at, size_t n)

@@ -1,14 +1,14 @@
 #!/bin/sh
 # isolines: circles of a cone, saddles by their centre, missing values, levels between levels; backdrop: texts along lines,
-# named places; names that are no text; refusals.
+# named places; names that are no text; wind; sections; refusals.
 . "$(dirname "$0")/lib.sh"
 
-# grid NAME TITLE NX NY AWK: two levels, at 0 and 10; x = i, y = j; AWK sets s at i, j and level k
+# grid NAME TITLE NX NY AWK: two levels, at 0 and 10; x = i, y = j + $y0; AWK sets s at i, j and level k
 grid() {
-	awk -v nx="$3" -v ny="$4" -v title="$2" 'BEGIN {
+	awk -v nx="$3" -v ny="$4" -v title="$2" -v y0="${y0-0}" 'BEGIN {
 		printf "# vtk DataFile Version 3.0\n%s\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS %d %d 2\n", title, nx, ny
 		print "X_COORDINATES " nx " float"; for (i = 0; i < nx; i++) print i
-		print "Y_COORDINATES " ny " float"; for (j = 0; j < ny; j++) print j
+		print "Y_COORDINATES " ny " float"; for (j = 0; j < ny; j++) print j + y0
 		print "Z_COORDINATES 2 float\n0 10\nPOINT_DATA " nx * ny * 2 "\nSCALARS s float 1\nLOOKUP_TABLE default"
 		for (k = 0; k < 2; k++) for (j = 0; j < ny; j++) for (i = 0; i < nx; i++) { '"$5"'; print s }
 	}' >"$1.vtk"
@@ -98,6 +98,33 @@ if [ -n "$(command -v gnuplot)" ]; then
 		ok 'a window paints them in the same places' imgcmp -t .15 -f .004 painted.ppm texts.png
 	fi
 else skip 'lines with texts as pictures' 'there is no gnuplot'; fi
+
+# ---- barbs -------------------------------------------------------------------------------------------------
+# barb EAST NORTH UNIT AXES [OPTION ...]: one barb on a square from 0 to 10
+barb() {
+	east=$1 north=$2 unit=$3 axes=$4
+	shift 4
+	grid u "U [$unit]$axes" 2 2 "s = $east"
+	grid v "V [$unit]$axes" 2 2 "s = $north"
+	barbs -n 1 "$@" u.vtk v.vtk | awk '/^[^>]/ { $0 = sprintf("%.3f %.3f", $1 + 1e-9, $2 + 1e-9) } { printf "%s,", $0 }'
+}
+if ldd "$BIN/barbs" | grep -q udunits; then
+	is 'barbs: 65 knots from the west: a pennant, a feather and a half' "$(barb 65 0 knots '')" \
+		'> line,0.500 0.500,-0.300 0.500,-0.300 0.500,-0.360 0.836,-0.180 0.500,-0.060 0.500,-0.180 0.836,-0.060 0.500,0.060 0.500,0.000 0.668,0.060 0.500,'
+	is 'units are converted, and 5 knots alone are not at the end' "$(barb 0 2.572 'm s-1' '')" '> line,0.500 0.500,0.500 -0.300,0.500 -0.180,0.332 -0.240,0.500 -0.180,'
+	is 'below 2.5 knots: a circle' "$(barb 1 1 knots '' | tr , '\n' | awk 'NR > 1 && NF { printf "%.3f\n", sqrt(($1 - .5) ^ 2 + ($2 - .5) ^ 2) }' | uniq)" 0.096
+	globe='; x lon [degrees_east]; y lat [degrees_north]; z up [m]'
+	is 'south of the equator feathers are on the other side; a degree of longitude is shorter' "$(for y in 59.5 -60.5; do
+		for part in u v; do y0=$y grid $part "$part [knots]$globe" 2 2 's = 10'; done
+		barbs -n 1 u.vtk v.vtk | awk 'NR == 3 { x = $1; y = $2 } NR == 4 { dx = x - $1; dy = y - $2 } NR == 6 { fx = $1 - x; fy = $2 - y }
+			END { printf "%.3f %s ", dx / dy, (dx * fy - dy * fx > 0) ? "left" : "right" }'
+	done)" '2.000 left 2.000 right '
+	for bad in 'u.vtk' 'u.vtk cone.vtk' 'u.vtk flat.vtk' '-z 11 u.vtk v.vtk' '-n 0 u.vtk v.vtk'; do
+		# shellcheck disable=SC2086
+		run barbs $bad
+		is "refused: barbs $bad" "$status:$out" 2:
+	done
+else skip 'barbs' 'it was built without libudunits2'; fi
 
 # ---- section -----------------------------------------------------------------------------------------------
 grid slope 'T [K]; x east [km]; y north [km]; z -p [hPa]; t time 1 [hours]' 21 11 's = i + 100 * j + 1000 * k'

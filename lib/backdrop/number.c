@@ -14,6 +14,7 @@
 #define TEXTS 8      /* at most as many in a piece */
 #define TRIES 24     /* places in such a part */
 #define STRAIGHT .92 /* least distance between the ends of a gap, in its length */
+#define LEVEL 2.0    /* degrees: less is not turned, because turned text is blurred */
 #define STEEP .15    /* what an upright text counts, in the same unit */
 
 /* A piece of a line in pixels. */
@@ -65,6 +66,7 @@ static bool write_in(struct writer *w, const struct path *p, struct gap g, const
     double turn = atan2(b.y - a.y, b.x - a.x);
     if (turn > M_PI / 2) turn -= M_PI;
     if (turn <= -M_PI / 2) turn += M_PI;
+    if (fabs(turn) < LEVEL * M_PI / 180) turn = 0;
     const double wide = backdrop_text_width(w->s, text), high = BACKDROP_TEXT_HIGH * w->s->em;
     const double c = fabs(cos(turn)), s = fabs(sin(turn));
     const double x = (a.x + b.x) / 2, y = (a.y + b.y) / 2;

@@ -1,6 +1,6 @@
 /*
- * plane: planes through a grid: a level, and lines on it where the field has a value; a vertical
- * section. No I/O.
+ * plane: planes through a grid: a level, lines on it where the field has a value, and signs for
+ * the wind; a vertical section. No I/O.
  */
 #ifndef STORMRING_PLANE_H
 #define STORMRING_PLANE_H
@@ -28,6 +28,20 @@ typedef void plane_line(void *ctx, const struct plane_point *at, size_t n);
  */
 void plane_isolines(
     const struct grid *g, const float *value, double v, plane_line *line, void *ctx);
+
+/* The value of a level, as plane_level has it, at a point: bilinear. NaN outside of the grid, and if
+ * a node that counts is missing. */
+double plane_at(const struct grid *g, const float *value, struct plane_point p);
+
+/* A sign for the wind, whose shaft begins at its foot. */
+struct plane_barb {
+    struct plane_point foot, to; /* to: a vector of length 1 to where the wind blows */
+    double length;               /* of the shaft */
+    double knots;                /* speed, at least 0 */
+    bool southern;               /* on the southern hemisphere: feathers are on the other side */
+};
+/* Calls line once. */
+void plane_barb(const struct plane_barb *b, plane_line *line, void *ctx);
 
 /* The length of a line between two places: km on the great circle if x and y are longitude and
  * latitude, otherwise that of the straight line, in the grid's unit. */

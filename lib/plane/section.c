@@ -78,13 +78,13 @@ static double mix(double a, double b, double t)
     return t <= 0 ? a : t >= 1 ? b : a + t * (b - a);
 }
 
-static double at_level(const struct grid *g, struct plane_point p, uint32_t k)
+double plane_at(const struct grid *g, const float *value, struct plane_point p)
 {
     uint32_t i, j;
     double s, t;
     if (!find(g->at[0], g->n[0], p.x, &i, &s) || !find(g->at[1], g->n[1], p.y, &j, &t))
         return (double)NAN;
-    const float *v = g->value + grid_node(g, i, j, k), *w = v + g->n[0];
+    const float *v = value + grid_node(g, i, j, 0), *w = v + g->n[0];
     return mix(mix((double)v[0], (double)v[1], s), mix((double)w[0], (double)w[1], s), t);
 }
 
@@ -123,7 +123,7 @@ void plane_section(const struct grid *g, struct plane_point a, struct plane_poin
         turn(g, globe, &p);
         for (uint32_t k = 0; k < g->n[2]; k++)
             out->value[grid_node(out, i, 0, k)] = out->value[grid_node(out, i, 1, k)] =
-                (float)at_level(g, p, k);
+                (float)plane_at(g, g->value + grid_node(g, 0, 0, k), p);
     }
     set_title(g, unit, out);
 }
