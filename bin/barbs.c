@@ -109,9 +109,11 @@ int main(int argc, char **argv)
     for (int a = 0; a < 2; a++) side[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double step = fmax(side[0], side[1]) / o.across;
     if (globe) printf("> globe\n");
-    for (double y = step / 2; y < side[1]; y += step)
-        for (double x = step / 2; x < side[0]; x += step)
-            barb(p, (struct plane_point){g->at[0][0] + x, g->at[1][0] + y}, globe, LENGTH * step);
+    for (int j = 0; (j + .5) * step < side[1]; j++)
+        for (int i = 0; (i + .5) * step < side[0]; i++)
+            barb(p,
+                (struct plane_point){g->at[0][0] + (i + .5) * step, g->at[1][0] + (j + .5) * step},
+                globe, LENGTH * step);
     for (int i = 0; i < 2; i++) {
         free(p[i].level);
         grid_free(&p[i].g);

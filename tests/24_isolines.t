@@ -32,7 +32,7 @@ is '-e' "$(isolines -e 7.5 cone.vtk | sed -n 's/^> line //p' | uniq | tr '\n' ,)
 # saddle A B C D VALUE: the lines of one cell, with corners counterclockwise
 saddle() {
 	grid saddle x 2 2 's = j ? (i ? '"$3 : $4"') : (i ? '"$2 : $1"')'
-	isolines -v "$5" saddle.vtk | grep -v '>' | paste -d' ' - - | awk '{ print $1 < $3 || ($1 == $3 && $2 < $4) ? $0 : $3 " " $4 " " $1 " " $2 }' | sort | tr '\n' ,
+	isolines -v "$5" saddle.vtk | grep -v '>' | paste -d' ' - - | awk '{ print $1 < $3 || ($1 == $3 && $2 < $4) ? $0 : $3 " " $4 " " $1 " " $2 }' | LC_ALL=C sort -u | tr '\n' ,
 }
 is 'a saddle whose centre is above: round the low corners' "$(saddle 0 4 0 4 1)" '0 0.25 0.25 0,0.75 1 1 0.75,'
 is 'a saddle whose centre is below: round the high corners' "$(saddle 0 4 0 4 3)" '0 0.75 0.25 1,0.75 0 1 0.25,'

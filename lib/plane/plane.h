@@ -29,8 +29,8 @@ typedef void plane_line(void *ctx, const struct plane_point *at, size_t n);
 void plane_isolines(
     const struct grid *g, const float *value, double v, plane_line *line, void *ctx);
 
-/* The value of a level, as plane_level has it, at a point: bilinear. NaN outside of the grid, and if
- * a node that counts is missing. */
+/* The value of a level, as plane_level has it, at a point: bilinear. NaN outside of the grid, and
+ * if a node that counts is missing. */
 double plane_at(const struct grid *g, const float *value, struct plane_point p);
 
 /* A sign for the wind, whose shaft begins at its foot. */
