@@ -89,6 +89,14 @@ done
 printf '1 2\n> line a\ab\n3 4\n' >bad
 run backdrop cone.vtk above.spec bad
 like 'so is a text' "$status:$err" '^2:backdrop: bad:2: '
+for _ in $(seq 100); do printf W; done >wide
+{ printf '> line %s\n' "$(cat wide)"; for i in $(seq 60); do echo "$((2 + i % 2 * 36)) $i"; done; } >long
+for file in long wide; do
+	[ $file = long ] || { printf '> line x\n99 99\n98 98\n> mark nowhere\n-1 2\n'; } >$file
+	backdrop cone.vtk above.spec $file >$file.gp
+	is "texts too long, lines and places outside: no block is left without points: $file" \
+		"$(sed -n 's/^plot //p' $file.gp | tr ',' '\n' | grep -c 'dots\|numbered') $(grep -c 'label.*\(WW\|nowhere\|x.\) at' $file.gp)" "$([ $file = long ] && echo 1 0 || echo 0 0)"
+done
 if [ -n "$(command -v gnuplot)" ]; then
 	printf '%s\n' 'from 8 -60 70' 'at 20 18 0' 'up 0 0 1' 'angle 36' 'resolution 900 600' 'map -1 1 0 0 1' 'map 99 1 0 0 1' >oblique.spec
 	backdrop cone.vtk oblique.spec lines >texts.gp

@@ -119,7 +119,8 @@ static void piece(struct writer *w, const struct path *p, const char *text)
     struct gap gap[TEXTS];
     size_t n = 0;
     if (*text && all > SHORT * length) {
-        const int parts = (int)fmin(TEXTS, 1 + all / (EVERY * em));
+        const double each = fmax(EVERY * em, SHORT * length);
+        const int parts = (int)fmax(1, fmin(TEXTS, all / each));
         const double part = all / parts;
         for (int i = 0; i < parts; i++)
             if (find_gap(w, p, (struct gap){i * part, (i + 1) * part}, length, text, &gap[n])) n++;

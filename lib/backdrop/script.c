@@ -56,6 +56,11 @@ static void rectangle(const struct backdrop_mark *m, const struct backdrop_list 
 
 static bool is_block(const struct backdrop_mark *m) { return m->kind <= BACKDROP_DOTS; }
 
+static bool is_empty_left_out(enum backdrop_kind kind)
+{
+    return kind == BACKDROP_LINES || kind == BACKDROP_NUMBERED || kind == BACKDROP_DOTS;
+}
+
 /* The name of a block; area: the number of areas so far. */
 #define BLOCK 32
 static void block_name(const struct backdrop_mark *m, int *area, char name[BLOCK])
@@ -106,7 +111,7 @@ static void write_list(const struct backdrop_list *l, struct buf *out)
         else {
             block_name(m, &area, name);
             block(m, l, name, out);
-            if (m->n || m->kind != BACKDROP_LINES) plot(m, name, &plots);
+            if (m->n || !is_empty_left_out(m->kind)) plot(m, name, &plots);
         }
     }
     if (buf_size(&plots)) buf_consume(&plots, 2);
