@@ -1,6 +1,6 @@
 /* barbs: prints wind barbs of a level of two grids, for the map of backdrop. */
 #include "backdrop/backdrop.h"
-#include "plane/plane.h"
+#include "layer/layer.h"
 #include "units/units.h"
 
 #include <stdlib.h>
@@ -56,7 +56,7 @@ static void load(const struct options *o, int i, struct part *p)
     if (!units_linear(scalar.unit, "knots", &p->knots, err))
         die(ST_USAGE, "%s: %s", o->path[i], err);
     const double *z = p->g.at[2];
-    if (!plane_level(&p->g, o->has_z ? o->z : z[0], &p->level))
+    if (!layer_level(&p->g, o->has_z ? o->z : z[0], &p->level))
         die(ST_USAGE, "-z %g: expected a height of the grid, from %g to %g", o->z, z[0],
             z[p->g.n[2] - 1]);
 }
@@ -69,31 +69,31 @@ static void check_same(const struct options *o, const struct grid *a, const stru
                 "xyz"[i], o -> path[0]);
 }
 
-static void print(void *ctx, const struct plane_point *at, size_t n)
+static void print(void *ctx, const struct layer_point *at, size_t n)
 {
     (void)ctx;
     printf("> line\n");
     for (size_t i = 0; i < n; i++) printf("%.9g %.9g\n", at[i].x, at[i].y);
 }
 
-static double knots_at(const struct part *p, struct plane_point at)
+static double knots_at(const struct part *p, struct layer_point at)
 {
-    return p->knots.factor * plane_at(&p->g, p->level, at) + p->knots.offset;
+    return p->knots.factor * layer_at(&p->g, p->level, at) + p->knots.offset;
 }
 
 /* On the globe, a degree of longitude is shorter than one of latitude: a barb shows the way of the
  * air on the map. */
-static void barb(const struct part p[2], struct plane_point at, bool globe, double length)
+static void barb(const struct part p[2], struct layer_point at, bool globe, double length)
 {
     double east = knots_at(&p[0], at), north = knots_at(&p[1], at);
-    struct plane_barb b = {.foot = at, .length = length, .knots = hypot(east, north)};
+    struct layer_barb b = {.foot = at, .length = length, .knots = hypot(east, north)};
     if (isnan(b.knots) || (globe && fabs(at.y) > POLE)) return;
     b.southern = globe && at.y < 0;
     if (globe) east /= cos(at.y * 3.14159265358979323846 / 180);
     const double size = hypot(east, north);
-    if (size > 0) b.to = (struct plane_point){east / size, north / size};
+    if (size > 0) b.to = (struct layer_point){east / size, north / size};
     else b.to.x = 1;
-    plane_barb(&b, print, NULL);
+    layer_barb(&b, print, NULL);
 }
 
 int main(int argc, char **argv)
@@ -112,7 +112,7 @@ int main(int argc, char **argv)
     for (int j = 0; (j + .5) * step < side[1]; j++)
         for (int i = 0; (i + .5) * step < side[0]; i++)
             barb(p,
-                (struct plane_point){g->at[0][0] + (i + .5) * step, g->at[1][0] + (j + .5) * step},
+                (struct layer_point){g->at[0][0] + (i + .5) * step, g->at[1][0] + (j + .5) * step},
                 globe, LENGTH * step);
     for (int i = 0; i < 2; i++) {
         free(p[i].level);

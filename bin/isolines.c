@@ -1,6 +1,6 @@
 /* isolines: prints lines along which a level of a grid has a value, for the map of backdrop. */
 #include "backdrop/backdrop.h"
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -61,7 +61,7 @@ static void take_values(struct options *o, const float *level, size_t n)
         o->value[o->n_values] = (first + (double)o->n_values) * o->step;
 }
 
-static void print(void *ctx, const struct plane_point *at, size_t n)
+static void print(void *ctx, const struct layer_point *at, size_t n)
 {
     const double *value = ctx;
     printf("> line %.9g\n", *value + 0.0);
@@ -77,13 +77,13 @@ int main(int argc, char **argv)
     char err[ERR_BYTES];
     if (grid_load(o.path, &g, err) != 0) die(ST_USAGE, "%s", err);
     const double *z = g.at[2];
-    if (!plane_level(&g, o.has_z ? o.z : z[0], &level))
+    if (!layer_level(&g, o.has_z ? o.z : z[0], &level))
         die(ST_USAGE, "-z %g: expected a height of the grid, from %g to %g", o.z, z[0],
             z[g.n[2] - 1]);
     if (!o.value) take_values(&o, level, grid_node(&g, 0, 0, 1));
     if (backdrop_on_globe(&g)) printf("> globe\n");
     for (size_t i = 0; i < o.n_values; i++)
-        plane_isolines(&g, level, o.value[i], print, &o.value[i]);
+        layer_isolines(&g, level, o.value[i], print, &o.value[i]);
     free(level);
     free(o.value);
     grid_free(&g);

@@ -1,6 +1,6 @@
 /* section: cuts a grid along a line between two places: the field above it, as a grid. */
 #include "backdrop/backdrop.h"
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #define NODES_MAX 10000
 
 struct options {
-    struct plane_point end[2]; /* -l */
+    struct layer_point end[2]; /* -l */
     uint32_t nodes;            /* -n */
     const char *path;
 };
@@ -21,7 +21,7 @@ static void take_ends(const char *s, struct options *o)
     size_t n;
     double *v = opt_reals('l', s, -GRID_MAX, GRID_MAX, &n);
     if (n != 4) die(ST_USAGE, "-l %s: expected two places, such as 5.3,60.4,-2.1,57.1", s);
-    for (int i = 0; i < 2; i++) o->end[i] = (struct plane_point){v[2 * i], v[2 * i + 1]};
+    for (int i = 0; i < 2; i++) o->end[i] = (struct layer_point){v[2 * i], v[2 * i + 1]};
     free(v);
 }
 
@@ -47,12 +47,12 @@ static void check(const struct options *o, const struct grid *g, bool globe)
 {
     if (g->brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o->path);
     for (int i = 0; i < 2; i++)
-        if (!plane_inside(g, o->end[i], globe))
+        if (!layer_inside(g, o->end[i], globe))
             die(ST_USAGE,
                 "-l: %g,%g is outside of the grid, expected x from %g to %g, y from %g to %g",
                 o->end[i].x, o->end[i].y, g->at[0][0], g->at[0][g->n[0] - 1], g->at[1][0],
                 g->at[1][g->n[1] - 1]);
-    const double length = plane_length(o->end[0], o->end[1], globe);
+    const double length = layer_length(o->end[0], o->end[1], globe);
     if (length / (o->nodes - 1) * .02 < GRID_STEP_MIN || length > GRID_MAX)
         die(ST_USAGE, "-l: a line of length %g, expected two places", length);
 }
@@ -69,7 +69,7 @@ int main(int argc, char **argv)
     const bool globe = backdrop_on_globe(&g);
     check(&o, &g, globe);
     const char *unit = globe ? "km" : grid_title(g.title, 'x', &x) ? x.unit : "";
-    plane_section(&g, o.end[0], o.end[1], globe, unit, o.nodes, &section);
+    layer_section(&g, o.end[0], o.end[1], globe, unit, o.nodes, &section);
     grid_write(&section, section.title, &out);
     put_stdout_buf(&out);
     buf_free(&out);

@@ -4,7 +4,7 @@
  * wind comes from; a half feather is 5 knots, a feather 10, a pennant 50, on the side of low
  * pressure.
  */
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 
@@ -15,9 +15,9 @@
 #define POINTS 512
 
 struct pen {
-    struct plane_barb b;
+    struct layer_barb b;
     double side; /* of the feathers: 1 left, -1 right, looking with the wind */
-    struct plane_point at[POINTS];
+    struct layer_point at[POINTS];
     size_t n;
 };
 
@@ -27,7 +27,7 @@ static void go(struct pen *p, double along, double beside)
     const double x = p->b.to.x * p->b.length, y = p->b.to.y * p->b.length;
     beside *= p->side;
     if (p->n < POINTS)
-        p->at[p->n++] = (struct plane_point){
+        p->at[p->n++] = (struct layer_point){
             p->b.foot.x - along * x - beside * y, p->b.foot.y - along * y + beside * x};
 }
 
@@ -64,7 +64,7 @@ static void circle(struct pen *p)
     for (int i = 0; i <= 16; i++) go(p, CALM * cos(i * turn), CALM * sin(i * turn));
 }
 
-void plane_barb(const struct plane_barb *b, plane_line *line, void *ctx)
+void layer_barb(const struct layer_barb *b, layer_line *line, void *ctx)
 {
     struct pen p = {.b = *b, .side = b->southern ? -1 : 1};
     const int fives = (int)fmin(round(b->knots / 5), 10 * POINTS);

@@ -2,7 +2,7 @@
  * isolines: marching squares. A cell has two points or four on its edges, so each point is in one
  * line. A line is followed from a cell to its neighbour, first one way, then the other.
  */
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 
@@ -10,7 +10,7 @@
 enum edge { LOW, RIGHT, HIGH, LEFT, NO_EDGE };
 
 struct points {
-    struct plane_point *at; /* grown by xgrown */
+    struct layer_point *at; /* grown by xgrown */
     size_t n;
 };
 struct tracer {
@@ -65,18 +65,18 @@ static unsigned partner(const struct tracer *t, struct cell c, unsigned edge)
 }
 
 /* From the lower corner of the edge, so that both its cells compute the same point. */
-static struct plane_point crossing(const struct tracer *t, struct cell c, unsigned edge)
+static struct layer_point crossing(const struct tracer *t, struct cell c, unsigned edge)
 {
     const bool level = edge == LOW || edge == HIGH;
     const unsigned first = edge == LEFT ? 0 : edge == HIGH ? 3 : edge;
     const unsigned last = edge == LEFT ? 3 : edge == HIGH ? 2 : edge + 1;
     const double a = at_corner(t, c, first), f = (t->v - a) / (at_corner(t, c, last) - a);
     const double *x = t->g->at[0] + c.i, *y = t->g->at[1] + c.j;
-    return (struct plane_point){level ? x[0] + f * (x[1] - x[0]) : x[edge == RIGHT],
+    return (struct layer_point){level ? x[0] + f * (x[1] - x[0]) : x[edge == RIGHT],
         level ? y[edge == HIGH] : y[0] + f * (y[1] - y[0])};
 }
 
-static void add(struct points *p, struct plane_point at)
+static void add(struct points *p, struct layer_point at)
 {
     if (p->n && p->at[p->n - 1].x == at.x && p->at[p->n - 1].y == at.y) return;
     p->at = xgrown(p->at, p->n, sizeof *p->at);
@@ -114,7 +114,7 @@ static void follow(const struct tracer *t, struct cell c, unsigned edge, struct 
 }
 
 /* A line that is closed comes back to the other edge of its first cell. */
-static void trace(struct tracer *t, struct cell c, unsigned edge, plane_line *line, void *ctx)
+static void trace(struct tracer *t, struct cell c, unsigned edge, layer_line *line, void *ctx)
 {
     const unsigned other = partner(t, c, edge);
     *done_of(t, c) |= (unsigned char)(1u << other);
@@ -126,7 +126,7 @@ static void trace(struct tracer *t, struct cell c, unsigned edge, plane_line *li
     if (t->whole.n > 1) line(ctx, t->whole.at, t->whole.n);
 }
 
-void plane_isolines(const struct grid *g, const float *value, double v, plane_line *line, void *ctx)
+void layer_isolines(const struct grid *g, const float *value, double v, layer_line *line, void *ctx)
 {
     struct tracer t = {.g = g, .value = value, .v = v};
     t.done = xcalloc(grid_node(g, 0, 0, 1), sizeof *t.done);

@@ -1,9 +1,9 @@
 /* level: the field at a height. */
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 
-bool plane_level(const struct grid *g, double z, float **value)
+bool layer_level(const struct grid *g, double z, float **value)
 {
     const double *at = g->at[2];
     const size_t n = grid_node(g, 0, 0, 1);

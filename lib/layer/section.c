@@ -1,5 +1,5 @@
 /* section: the field above a line between two places. */
-#include "plane/plane.h"
+#include "layer/layer.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #define THICK .02          /* of the length: between the two equal rows of a section */
 #define RAD (3.14159265358979323846 / 180)
 
-static void unit_vector(struct plane_point p, double v[3])
+static void unit_vector(struct layer_point p, double v[3])
 {
     v[0] = cos(p.y * RAD) * cos(p.x * RAD);
     v[1] = cos(p.y * RAD) * sin(p.x * RAD);
@@ -24,7 +24,7 @@ static double angle_of(const double a[3], const double b[3])
         sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
-double plane_length(struct plane_point a, struct plane_point b, bool globe)
+double layer_length(struct layer_point a, struct layer_point b, bool globe)
 {
     double u[3], v[3];
     if (!globe) return hypot(b.x - a.x, b.y - a.y);
@@ -34,19 +34,19 @@ double plane_length(struct plane_point a, struct plane_point b, bool globe)
 }
 
 /* The point at a part f of the way, on the great circle if they are on the globe. */
-static struct plane_point between(struct plane_point a, struct plane_point b, bool globe, double f)
+static struct layer_point between(struct layer_point a, struct layer_point b, bool globe, double f)
 {
     double u[3], v[3], w[3];
-    if (!globe) return (struct plane_point){a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)};
+    if (!globe) return (struct layer_point){a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)};
     unit_vector(a, u);
     unit_vector(b, v);
     const double all = angle_of(u, v), p = sin((1 - f) * all), q = sin(f * all);
     for (int i = 0; i < 3; i++) w[i] = p * u[i] + q * v[i];
-    return (struct plane_point){atan2(w[1], w[0]) / RAD, atan2(w[2], hypot(w[0], w[1])) / RAD};
+    return (struct layer_point){atan2(w[1], w[0]) / RAD, atan2(w[2], hypot(w[0], w[1])) / RAD};
 }
 
 /* Moves a longitude by whole circles to the first one that is not west of the grid. */
-static void turn(const struct grid *g, bool globe, struct plane_point *p)
+static void turn(const struct grid *g, bool globe, struct layer_point *p)
 {
     const double slack = 1e-9;
     if (globe) p->x += 360 * ceil((g->at[0][0] - slack - p->x) / 360);
@@ -78,7 +78,7 @@ static double mix(double a, double b, double t)
     return t <= 0 ? a : t >= 1 ? b : a + t * (b - a);
 }
 
-double plane_at(const struct grid *g, const float *value, struct plane_point p)
+double layer_at(const struct grid *g, const float *value, struct layer_point p)
 {
     uint32_t i, j;
     double s, t;
@@ -88,7 +88,7 @@ double plane_at(const struct grid *g, const float *value, struct plane_point p)
     return mix(mix((double)v[0], (double)v[1], s), mix((double)w[0], (double)w[1], s), t);
 }
 
-bool plane_inside(const struct grid *g, struct plane_point p, bool globe)
+bool layer_inside(const struct grid *g, struct layer_point p, bool globe)
 {
     turn(g, globe, &p);
     return p.x >= g->at[0][0] && p.x <= g->at[0][g->n[0] - 1] && p.y >= g->at[1][0] &&
@@ -107,10 +107,10 @@ static void set_title(const struct grid *g, const char *unit, struct grid *out)
     snprintf(out->name, sizeof out->name, "%s", g->name);
 }
 
-void plane_section(const struct grid *g, struct plane_point a, struct plane_point b, bool globe,
+void layer_section(const struct grid *g, struct layer_point a, struct layer_point b, bool globe,
     const char *unit, uint32_t n, struct grid *out)
 {
-    const double length = plane_length(a, b, globe);
+    const double length = layer_length(a, b, globe);
     *out = (struct grid){.n = {n, 2, g->n[2]}};
     for (int i = 0; i < 3; i++) out->at[i] = xmalloc(out->n[i], sizeof *out->at[i]);
     out->value = xmalloc(grid_node(out, 0, 0, out->n[2]), sizeof *out->value);
@@ -118,12 +118,12 @@ void plane_section(const struct grid *g, struct plane_point a, struct plane_poin
     out->at[1][1] = THICK * length;
     memcpy(out->at[2], g->at[2], g->n[2] * sizeof *g->at[2]);
     for (uint32_t i = 0; i < n; i++) {
-        struct plane_point p = between(a, b, globe, (double)i / (n - 1));
+        struct layer_point p = between(a, b, globe, (double)i / (n - 1));
         out->at[0][i] = length * i / (n - 1);
         turn(g, globe, &p);
         for (uint32_t k = 0; k < g->n[2]; k++)
             out->value[grid_node(out, i, 0, k)] = out->value[grid_node(out, i, 1, k)] =
-                (float)plane_at(g, g->value + grid_node(g, 0, 0, k), p);
+                (float)layer_at(g, g->value + grid_node(g, 0, 0, k), p);
     }
     set_title(g, unit, out);
 }
