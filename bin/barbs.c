@@ -53,7 +53,8 @@ static void load(const struct options *o, int i, struct part *p)
     if (!grid_title(p->g.title, 0, &scalar))
         die(ST_USAGE, "%s: the title has no unit of the wind, expected one such as U [m/s]",
             o->path[i]);
-    if (!units_linear(scalar.unit, "knots", &p->knots, err))
+    p->knots = (struct units_linear){1, 0};
+    if (strcmp(scalar.unit, "knots") != 0 && !units_linear(scalar.unit, "knots", &p->knots, err))
         die(ST_USAGE, "%s: %s", o->path[i], err);
     const double *z = p->g.at[2];
     if (!layer_level(&p->g, o->has_z ? o->z : z[0], &p->level))
