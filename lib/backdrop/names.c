@@ -37,6 +37,12 @@ static void name_flat(const struct grid *g, char title[2 * BACKDROP_NAMED])
         known ? n.name : g->ground_name, known ? ", " : "", known ? n.unit : "");
 }
 
+bool backdrop_on_globe(const struct grid *g)
+{
+    struct grid_named x;
+    return !flat_unit(g, &x) && grid_title(g->title, 'x', &x) && x.unit[0];
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {

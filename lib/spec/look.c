@@ -243,6 +243,10 @@ static void put_slices(struct buf *out, const struct grid *g)
         return;
     }
     const double *x = g->at[0], *y = g->at[1];
+    if (spec_is_section(g)) {
+        buf_printf(out, "slice y %.9g 1\n", (y[0] + y[1]) / 2);
+        return;
+    }
     buf_printf(out, "slice x %.9g 1\n", (x[0] + x[g->n[0] - 1]) / 2);
     buf_printf(out, "slice y %.9g 1\n", y[0] + NORTH * (y[g->n[1] - 1] - y[0]));
     buf_printf(out, "slice z %.9g 1\n", low_level(g));
@@ -283,6 +287,7 @@ void spec_look(const struct grid *g, const struct spec_survey *v, const struct s
     enum spec_kind kind = wish->kind;
     if (g->flat && kind != SPEC_ANOMALY) kind = is_signed(v) && !kind ? SPEC_ANOMALY : SPEC_SLICES;
     if (g->flat && v->ground) drop_least(&m);
+    if (kind == SPEC_AUTO && spec_is_section(g)) kind = SPEC_SLICES;
     if (kind == SPEC_AUTO) kind = v->by_level > LAYERED || is_signed(v) ? SPEC_ANOMALY : SPEC_FOG;
     if (kind == SPEC_ANOMALY && put_anomaly(g, v, wish, box->chord, out)) {
         if (g->flat) put_slices(out, g);

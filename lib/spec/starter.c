@@ -10,7 +10,9 @@
 #define HEIGHT .25 /* least height of the box, in its longest side */
 #define WIDTH .125 /* least width or depth */
 #define TALL 4     /* greatest height */
-#define THIN .01   /* height of a flat grid */
+#define FLAT .01   /* height of a flat grid */
+#define WALL .5    /* least height of a section */
+#define THIN .02   /* least width of it */
 #define ANGLE 30   /* degrees */
 #define FILL .9    /* part of the frame that the box fills */
 #define TURNS 50   /* of a fit; each brings the box to a part of the last error */
@@ -45,12 +47,14 @@ static double six_digits(double v)
 /* False if no scale that a specification may have is large enough. */
 static bool set_scale(const struct grid *g, struct frame *f, const struct grid_named unit[3])
 {
+    const bool section = spec_is_section(g);
     double e[3];
     for (int a = 0; a < 3; a++) e[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double longest = fmax(e[0], e[1]);
     const double base = longest > 1e9 ? 1e-9 : longest < 1e-9 ? 1e9 : 1;
     for (int a = 0; a < 3; a++) {
-        double least = a != 2 ? WIDTH : g->flat ? THIN : HEIGHT, fitting = 1;
+        const double level = g->flat ? FLAT : section ? WALL : HEIGHT;
+        double least = a == 2 ? level : section ? THIN : WIDTH, fitting = 1;
         bool same = a != 2 || (!g->flat && strcmp(unit[0].unit, unit[2].unit) == 0);
         if (e[a] < least * longest || !same) fitting = least * longest / e[a];
         else if (e[a] > TALL * longest) fitting = TALL * longest / e[a];
@@ -78,11 +82,12 @@ static void outline(const struct frame *f, const struct camera *c, double lo[2],
 }
 
 /* Finds the eye from which the box fills the frame: in the south, a little in the west, and above;
- * of a flat grid above. */
-static void set_view(struct frame *f, bool flat, uint32_t w, uint32_t h)
+ * nearly level before a section; of a flat grid above. */
+static void set_view(struct frame *f, const struct grid *g, uint32_t w, uint32_t h)
 {
-    f->towards = flat ? v3(0, 0, 1) : v3_unit(v3(-.35, -1, .9));
-    f->up = flat ? v3(0, 1, 0) : v3(0, 0, 1);
+    const struct vec3 oblique = spec_is_section(g) ? v3(-.1, -1, .12) : v3(-.35, -1, .9);
+    f->towards = g->flat ? v3(0, 0, 1) : v3_unit(oblique);
+    f->up = g->flat ? v3(0, 1, 0) : v3(0, 0, 1);
     const double size = v3_len(v3_sub(f->hi, f->lo));
     double distance = 2 * size, lo[2], hi[2];
     f->at = v3_scale(v3_add(f->lo, f->hi), .5);
@@ -251,7 +256,7 @@ bool spec_starter(
         if (!grid_title(g->title, "xyz"[a], &unit[a])) unit[a] = (struct grid_named){.down = false};
     if (!set_scale(g, &f, unit))
         return err_set(err, "an axis is 1e9 times as long as another, expected lengths closer");
-    set_view(&f, g->flat, wish->w, wish->h);
+    set_view(&f, g, wish->w, wish->h);
 
     put_about(out, g, &v, unit);
     put_place(out, "from", f.from, f.step);

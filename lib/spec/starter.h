@@ -22,6 +22,8 @@ struct spec_survey {
     double by_level;            /* the part of the variance that the levels' means explain */
 };
 void spec_survey(const struct grid *g, struct spec_survey *v);
+/* True if y has two rows with the same values: a vertical section. */
+bool spec_is_section(const struct grid *g);
 
 /* Deviations from a profile. Their magnitudes at these parts of all of them bound bands. */
 #define SPEC_CUTS 6
