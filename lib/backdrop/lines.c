@@ -12,11 +12,14 @@ struct part {
     struct outline o;
     enum kind kind;
     bool seen; /* an area, in the last picture; a line always */
+    bool bare; /* an area without its outline, which other parts are */
 };
 struct backdrop_lines {
     struct part *part; /* grown by xgrown */
     size_t n;
-    struct part now; /* being read */
+    struct part now;     /* being read */
+    bool flat, globe;    /* on a plane; all lines from here on are on the globe */
+    struct plane *plane; /* NULL: not known, or not flat */
 };
 
 /* Reads the two numbers of a line. False if there are not exactly two. */
@@ -51,17 +54,32 @@ static enum kind kind_of(char *line)
 
 static bool is_area(enum kind kind) { return kind == LAND_AREA || kind == WATER_AREA; }
 
-/* Keeps the part that was read. */
+static void keep(struct backdrop_lines *l, const struct part *p)
+{
+    l->part = xgrown(l->part, l->n, sizeof *l->part);
+    l->part[l->n] = *p;
+    outline_bound(&l->part[l->n++].o);
+}
+
+static void take_piece(void *lines, struct outline *piece, enum outline_piece kind)
+{
+    struct backdrop_lines *l = lines;
+    keep(l, &(struct part){.o = *piece,
+                .kind = kind == OUTLINE_LINE ? OPEN : l->now.kind,
+                .seen = true,
+                .bare = kind == OUTLINE_AREA});
+}
+
+/* Keeps the part that was read; or, from the globe, what is on the plane. */
 static void flush(struct backdrop_lines *l)
 {
     struct part *p = &l->now;
-    if (p->o.n) {
-        if (is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
-        outline_bound(&p->o);
-        l->part = xgrown(l->part, l->n, sizeof *l->part);
-        l->part[l->n++] = *p;
-    }
-    l->now = (struct part){.o.flat = p->o.flat, .seen = true};
+    if (p->o.n && is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
+    if (l->plane && l->globe) {
+        outline_spread(l->plane, &p->o, is_area(p->kind), take_piece, l);
+        outline_free(&p->o);
+    } else if (p->o.n) keep(l, p);
+    l->now = (struct part){.o.flat = l->flat && !l->globe, .seen = true};
 }
 
 static bool read_line(struct backdrop_lines *l, char *line)
@@ -70,33 +88,62 @@ static bool read_line(struct backdrop_lines *l, char *line)
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(l);
         l->now.kind = kind_of(line);
-        return l->now.kind != GLOBE || !l->now.o.flat;
+        if (l->now.kind == GLOBE) l->globe = true;
+        l->now.o.flat = l->flat && !l->globe;
+        return !l->globe || !l->flat || l->plane;
     }
     if (!numbers(line, v)) return false;
     outline_add(&l->now.o, (struct outline_point){v[0], v[1]});
     return true;
 }
 
+/* Why there is no plane for lines on the globe: of the grid's title, or "". */
+static struct plane *open_plane(const struct backdrop *b, char why[ERR_BYTES])
+{
+    const struct grid *g = b->grid;
+    const bool rotated = b->flat && strcmp(b->flat, BACKDROP_DEGREE) == 0;
+    *why = '\0';
+    if (!b->proj) return NULL;
+    return plane_open(b->proj, rotated ? "degrees" : b->flat,
+        (struct plane_at){g->at[0][0], g->at[1][0]},
+        (struct plane_at){g->at[0][g->n[0] - 1], g->at[1][g->n[1] - 1]}, why);
+}
+
+static void refuse(
+    const struct backdrop *b, int line, bool globe, const char *why, char err[BACKDROP_ERR])
+{
+    if (!globe) err_set(err, "%.128s:%d: expected longitude and latitude", b->lines_name, line);
+    else if (*why)
+        err_set(err,
+            "%.128s:%d: longitudes and latitudes, but the plane in the grid's title cannot be "
+            "used: %.300s",
+            b->lines_name, line, why);
+    else
+        err_set(err,
+            "%.128s:%d: longitudes and latitudes, which x and y of the grid are not, expected "
+            "lines in its coordinates, or none",
+            b->lines_name, line);
+}
+
 struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR])
 {
     struct backdrop_lines *l = xcalloc(1, sizeof *l);
-    char line[LINE];
+    char line[LINE], why[ERR_BYTES];
     int number = 1;
     bool good = true;
+    l->flat = b->flat;
+    l->plane = open_plane(b, why);
     l->now = (struct part){.o.flat = b->flat, .seen = true};
     for (const char *rest = b->lines; rest && good; number++) {
         rest = next_line(rest, line);
         good = read_line(l, line);
     }
-    const bool globe = l->now.kind == GLOBE && l->now.o.flat;
-    flush(l);
-    if (good) return l;
-    if (globe)
-        err_set(err,
-            "%.128s:%d: longitudes and latitudes, which x and y of the grid are not, expected "
-            "lines in its coordinates, or none",
-            b->lines_name, number - 1);
-    else err_set(err, "%.128s:%d: expected longitude and latitude", b->lines_name, number - 1);
+    if (good) {
+        flush(l);
+        return l;
+    }
+    refuse(b, number - 1, l->globe && l->flat && !l->plane, why, err);
+    outline_free(&l->now.o);
     backdrop_lines_free(l);
     return NULL;
 }
@@ -105,9 +152,12 @@ void backdrop_lines_free(struct backdrop_lines *l)
 {
     if (!l) return;
     for (size_t i = 0; i < l->n; i++) outline_free(&l->part[i].o);
+    plane_free(l->plane);
     free(l->part);
     free(l);
 }
+
+const struct plane *lines_plane(const struct backdrop_lines *l) { return l->plane; }
 
 void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 {
@@ -119,5 +169,5 @@ void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 void lines_stroke(const struct drawing *s, const struct backdrop_lines *l)
 {
     for (const struct part *p = l->part; p < l->part + l->n; p++)
-        if (p->seen) outline_stroke(s, &p->o);
+        if (p->seen && !p->bare) outline_stroke(s, &p->o);
 }

@@ -1,5 +1,5 @@
-/* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]; ...; proj STRING", where any part
- * may be missing. */
+/* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]; ...; proj STRING", where any
+ * part may be missing. */
 #include "grid/grid.h"
 
 #include <string.h>
