@@ -358,6 +358,7 @@ run backdrop lambert.vtk lambert.spec place
 if case $err in *'built without libproj-dev') true ;; *) false ;; esac then
 	skip 'maps on planes' 'backdrop is built without libproj-dev'
 else
+	plane america -4226106 3250826 -832698 4368646 m "+proj=lcc +lat_1=25 +lat_2=25 +lat_0=25 +lon_0=265 $earth"
 	plane arctic -4000000 4000000 -4000000 4000000 m "+proj=stere +lat_0=90 +lat_ts=60 +lon_0=-45 $earth"
 	plane antarctic -4000000 4000000 -4000000 4000000 m '+proj=stere +lat_0=-90 +lat_ts=-71 +lon_0=0 +ellps=WGS84 +units=m +no_defs +type=crs'
 	plane mercator -20000000 20000000 -9000000 9000000 m "+proj=merc +lon_0=0 $earth"
@@ -368,7 +369,7 @@ else
 	plane oblique -1500000 1500000 -1200000 1200000 m "+proj=omerc +lat_0=40 +lonc=-125 +alpha=30 +gamma=0 +k=1 $earth"
 	plane cosmo -28 18 -23 21 degrees "+proj=ob_tran +o_proj=longlat +o_lon_p=0 +o_lat_p=39.25 +lon_0=18 $earth"
 	# PROJ has a kilometre, and a degree of a rotated sphere is there in radians.
-	for place in lambert:-18.1:64.3:.001 arctic:100:75:1 antarctic:-150:-72:1 mercator:140:35:1 pacific:140:35:1 albers:-80:40:1 europe:24:60:1 norway:20:65:1 \
+	for place in lambert:-18.1:64.3:.001 america:-133.459:12.5:1 arctic:100:75:1 antarctic:-150:-72:1 mercator:140:35:1 pacific:140:35:1 albers:-80:40:1 europe:24:60:1 norway:20:65:1 \
 		oblique:-130:45:1 cosmo:2:48:57.29577951308232; do
 		IFS=: read -r name lon lat unit <<-END
 			$place

@@ -45,7 +45,7 @@ static bool set_number(struct plane_words *w, const char *key, const char *value
 {
     double v;
     if (!IS_AMONG(key, numbers) || !parse_real(value, -1e9, 1e9, &v)) return false;
-    if (strcmp(key, "lon_0") == 0) w->lon_0 = remainder(v, 360);
+    if (strcmp(key, "lon_0") == 0) w->lon_0 = v = remainder(v, 360);
     if (strcmp(key, "lat_0") == 0) w->lat_0 = v;
     buf_printf(&w->text, "+%s=%.17g ", key, v);
     return true;
@@ -103,8 +103,8 @@ bool plane_words(const char *proj, struct plane_words *w, char err[ERR_BYTES])
     if (strncmp((const char *)buf_data(&w->text), "+proj=", 6 * (buf_size(&w->text) > 0)) != 0 ||
         !buf_size(&w->text))
         return err_set(err, "'%.150s', expected +proj= first", proj);
-    /* so that longitudes beyond lon_0 by more than 180 do not jump */
-    if (w->kind != PLANE_ROTATED) buf_printf(&w->text, "+over");
+    /* so that longitudes 180 degrees away from lon_0, and beyond, do not jump */
+    if (w->kind == PLANE_CONE || w->kind == PLANE_CYLINDER) buf_printf(&w->text, "+over");
     buf_append(&w->text, "", 1);
     return true;
 }
