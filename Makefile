@@ -76,15 +76,17 @@ FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
 # Five programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
-LIBS_backdrop = $(LIBS_units)
+LIBS_backdrop = $(LIBS_units) $(LIBS_plane)
 LIBS_album = $(LIBS_units)
 LIBS_barbs = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
+LIBS_plane    = $(if $(PROJ),-lproj)
 LIBS_test_heights = $(LIBS_units)
 LIBS_test_expression = $(LIBS_units)
-LIBS_test_backdrop = $(LIBS_units)
+LIBS_test_backdrop = $(LIBS_backdrop)
+LIBS_test_plane = $(LIBS_plane)
 # Of paint, which only stormview has.
-LIBS_paint    = $(shell pkg-config --libs pangocairo 2>/dev/null) $(LIBS_units)
+LIBS_paint    = $(shell pkg-config --libs pangocairo 2>/dev/null) $(LIBS_units) $(LIBS_plane)
 LIBS_test_paint = $(LIBS_paint)
 PANGO         = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags pangocairo 2>/dev/null))
 FLAGS_paint/paint = $(PANGO)
@@ -108,6 +110,8 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk, grib2vtk and barbs convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
+# Without this one, backdrop and stormview draw no coasts on planes of projection.
+PROJ    := $(if $(call lacks,proj.h,-),,libproj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
@@ -122,6 +126,7 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
+           lib/plane/$(if $(PROJ),none,libproj).c \
            lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
@@ -170,6 +175,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 	$(if $(UDUNITS),,@echo "make: nc2vtk, grib2vtk and barbs convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
+	$(if $(PROJ),,@echo "make: backdrop and stormview draw no coasts on planes of projection: libproj-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

@@ -325,6 +325,115 @@ for bad in '-o m.png hour0.vtk hour1.vtk wall.spec' '-o m%d.pam hour0.vtk wall.s
 	is "refused: backdrop $bad" "$status:$out" 2:
 done
 
+# ---- planes of projection ----------------------------------------------------------------------------------
+# plane NAME X0 X1 Y0 Y1 UNIT PROJ: a grid on a plane, seen from above, 200 pixels wide and high. Its middle is in the middle.
+plane() {
+	cat >"$1.vtk" <<-END
+		# vtk DataFile Version 3.0
+		T [K]; x x [$6]; y y [$6]; z height [m]; t time 0 [d]; proj $7
+		ASCII
+		DATASET RECTILINEAR_GRID
+		DIMENSIONS 2 2 2
+		X_COORDINATES 2 double
+		$2 $3
+		Y_COORDINATES 2 double
+		$4 $5
+		Z_COORDINATES 2 float
+		0 1
+		POINT_DATA 8
+		SCALARS T float 1
+		LOOKUP_TABLE default
+		0 20 0 20 0 20 0 20
+	END
+	awk -v x0="$2" -v x1="$3" -v y0="$4" -v y1="$5" 'BEGIN {
+		wide = x1 - x0; x = (x0 + x1) / 2 / wide; y = (y0 + y1) / 2 / wide
+		printf "from %.12g %.12g 2\nat %.12g %.12g 0\nup 0 1 0\nangle 33\nresolution 200 200\n", x, y, x, y
+		printf "scale %.12g %.12g .001\nmap 0 0 0 1 1\nmap 20 1 0 0 1\n", 1 / wide, 1 / wide
+	}' >"$1.spec"
+}
+earth=+R=6371229
+plane lambert -700 500 -500 500 km "+proj=lcc +lat_1=64 +lat_2=64 +lat_0=65 +lon_0=-19 $earth"
+printf '> globe\n-18.1 64.3\n' >place
+run backdrop lambert.vtk lambert.spec place
+if case $err in *'built without libproj-dev') true ;; *) false ;; esac then
+	skip 'maps on planes' 'backdrop is built without libproj-dev'
+else
+	plane america -4226106 3250826 -832698 4368646 m "+proj=lcc +lat_1=25 +lat_2=25 +lat_0=25 +lon_0=265 $earth"
+	plane arctic -4000000 4000000 -4000000 4000000 m "+proj=stere +lat_0=90 +lat_ts=60 +lon_0=-45 $earth"
+	plane antarctic -4000000 4000000 -4000000 4000000 m '+proj=stere +lat_0=-90 +lat_ts=-71 +lon_0=0 +ellps=WGS84 +units=m +no_defs +type=crs'
+	plane mercator -20000000 20000000 -9000000 9000000 m "+proj=merc +lon_0=0 $earth"
+	plane pacific 10000000 30000000 -9000000 9000000 m "+proj=merc +lon_0=0 $earth"
+	plane albers -2500000 2300000 200000 3200000 m '+proj=aea +lat_1=29.5 +lat_2=45.5 +lat_0=23 +lon_0=-96 +datum=WGS84'
+	plane europe 2500000 7500000 1300000 5500000 m '+proj=laea +lat_0=52 +lon_0=10 +x_0=4321000 +y_0=3210000 +ellps=GRS80'
+	plane norway 200000 1200000 6500000 7900000 m '+proj=utm +zone=33 +ellps=WGS84'
+	plane oblique -1500000 1500000 -1200000 1200000 m "+proj=omerc +lat_0=40 +lonc=-125 +alpha=30 +gamma=0 +k=1 $earth"
+	plane cosmo -28 18 -23 21 degrees "+proj=ob_tran +o_proj=longlat +o_lon_p=0 +o_lat_p=39.25 +lon_0=18 $earth"
+	# PROJ has a kilometre, and a degree of a rotated sphere is there in radians.
+	for place in lambert:-18.1:64.3:.001 america:-133.459:12.5:1 arctic:100:75:1 antarctic:-150:-72:1 mercator:140:35:1 pacific:140:35:1 albers:-80:40:1 europe:24:60:1 norway:20:65:1 \
+		oblique:-130:45:1 cosmo:2:48:57.29577951308232; do
+		IFS=: read -r name lon lat unit <<-END
+			$place
+		END
+		printf '> globe\n%s %s\n%s %s\n' "$lon" "$lat" "$lon" "$(awk "BEGIN { print $lat + 1 }")" >place
+		is "a place is where PROJ puts it: $name" "$(backdrop "$name.vtk" "$name.spec" place >place.gp; block lines place.gp | head -n 1)" "$(
+			sed -n "2s/.*; proj //p" "$name.vtk" | sed 's/+type=crs//' >words
+			# shellcheck disable=SC2046  # words
+			echo "$lon $lat" | proj -f %.9f $(cat words) | cat - "$name.spec" | awk -v unit="$unit" '
+				NR == 1 { x = $1 * unit; y = $2 * unit }
+				$1 == "at" { atx = $2; aty = $3 }
+				$1 == "scale" { half = 2 * sin(16.5 * 3.14159265358979 / 180) / cos(16.5 * 3.14159265358979 / 180)
+					printf "%.2f %.2f\n", 100 + 100 * (x * $2 - atx) / half, 100 + 100 * (y * $3 - aty) / half }')"
+	done
+	# same NAME TEXT: areas from the globe, behind "> globe", fill the same pixels as those before it, in coordinates of the plane
+	same() {
+		sed '/^> globe/,$d' "$1.lines" >flat.lines
+		sed -n '/^> globe/,$p' "$1.lines" >globe.lines
+		for lines in flat globe; do
+			backdrop "$1.vtk" "$1.spec" $lines.lines | sed '/^set label/d; s/, \$graticule.*//' | gnuplot >$lines.png
+		done
+		ok "$2" imgcmp -t .2 -f .002 flat.png globe.png
+	}
+	ring() { awk -v y="$1" 'BEGIN { for (x = 0; x < 360; x += 5) print x, y }'; }
+	circle() { awk -v r="$1" 'BEGIN { for (a = 0; a < 360; a += 5) { t = a * 3.14159265358979 / 180; printf "%.3f %.3f\n", r * cos(t), r * sin(t) } }'; }
+	radius() { echo "0 $1" | proj -f %.3f "+proj=stere" "+lat_0=$2" "$3" "$4" "+lon_0=0" | awk '{ print sqrt($1 * $1 + $2 * $2) }'; }
+	{ echo '> land'; circle "$(radius -70 -90 +lat_ts=-71 +ellps=WGS84)"; echo '> globe'; echo '> land'; ring -70; } >antarctic.lines
+	same antarctic 'an area around the pole of a stereographic map'
+	{ echo '> land'; circle "$(radius 60 90 +lat_ts=60 $earth)"; echo '> globe'; echo '> land'; ring 60; echo '> land'; ring -70; } >arctic.lines
+	same arctic 'one around the other pole covers nothing'
+	{
+		for x in '19000000 20100000' '-20100000 -19500000'; do
+			# shellcheck disable=SC2086  # two numbers
+			printf '> land\n%s 2273033\n%s 2273033\n%s 5621525\n%s 5621525\n' ${x% *} ${x#* } ${x#* } ${x% *}
+		done
+		printf '> globe\n> land\n170.867 20\n184.63 20\n184.63 45\n170.867 45\n'
+	} >mercator.lines
+	same mercator 'an area across the edge of a Mercator map is at both edges'
+	labels() { backdrop -s 600x600 "$@" | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,; }
+	like 'meridians and parallels have labels at the edge of the map' "$(labels lambert.vtk lambert.spec)" '^35°W,.*,60°N,.*,68°N,0 m,'
+	like 'meridians around a pole are at all sides' "$(labels arctic.vtk arctic.spec)" '180°,.*90°E,'
+	is 'a coast that is cut at the edge has no line there' "$(printf '> globe\n> land\n170 20\n190 20\n190 45\n170 45\n' |
+		backdrop mercator.vtk mercator.spec - >cut.gp; block lines cut.gp | awk '{ $0 = $1 < 1 || $1 > 199 ? "edge" : "" } NF' | uniq -c | awk '$1 > 2' | wc -l)" 0
+	# The title is a stranger's.
+	for words in '+init=epsg:3857' '+proj=merc +nadgrids=/etc/passwd' '+proj=pipeline +step +proj=merc' '+proj=merc +towgs84=1,2,3' '+proj=lcc +lat_1=x' \
+		'+proj=lcc' '+proj=ob_tran +o_proj=merc +o_lat_p=40' '+proj=ob_tran +o_lat_p=40' '+lat_1=50' '+proj=merc +ellps=../x' '+proj=merc +R=-1' '%s%n' '+proj=lonely'; do
+		plane bad 0 1000 0 1000 m "$words"
+		run backdrop bad.vtk bad.spec place
+		like "refused: $words" "$status:${#out}:$err" "^2:0:backdrop: place:1: longitudes and latitudes, but the plane in the grid's title cannot be used: "
+	done
+	like 'without lines the map is a plane' "$(labels bad.vtk bad.spec)" ',1000 m,'
+	plane bad 0 10 0 10 degrees "+proj=merc $earth"
+	sed '2s/x x/x rlon/' bad.vtk >odd.vtk
+	run backdrop odd.vtk bad.spec place
+	like 'degrees on a plane of metres are refused' "$status:$err" "^2:.*x has the unit 'degrees', expected m or km"
+	printf '> globe\n1e18 42\n-1e18 95\n> land\n-1e18 -1e18\n1e18 91\n5 5\n> land\n0 90\n0 -90\n' >odd
+	for name in arctic mercator cosmo oblique; do ok "odd lines: $name" sh -c 'backdrop "$0.vtk" "$0.spec" odd >odd.gp' $name; done
+	if there "$root/build/unit/test_paint"; then
+		backdrop arctic.vtk arctic.spec arctic.lines | gnuplot >drawn.png
+		"$root/build/unit/test_paint" arctic.vtk arctic.spec arctic.lines painted.ppm
+		ok 'a window paints the same map' imgcmp -t .2 -f .02 painted.ppm drawn.png
+	fi
+fi
+
 # ---- gather -b ---------------------------------------------------------------------------------------------
 partition 300x200 | vcworker hour0.vtk wall.spec >hour0.frags
 gather -k 16 -o hour0.png hour0.frags

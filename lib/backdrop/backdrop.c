@@ -59,6 +59,7 @@ void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsig
     s.list = list;
     s.labels = &labels;
     s.scratch = scratch;
+    s.plane = lines ? lines_plane(lines) : NULL;
     s.clipped = parts & BACKDROP_CLIPPED;
     drawing_bound(&s);
     draw(&s, lines, parts);

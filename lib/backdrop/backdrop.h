@@ -20,6 +20,7 @@ struct backdrop {
     uint32_t w, h;          /* picture size in pixels */
     const char *title;      /* title of the legend */
     const char *flat;       /* unit of x and y; NULL: longitude and latitude in degrees */
+    const char *proj;       /* with flat: a PROJ string of the plane; NULL: not known */
     const char *unit;       /* unit of heights */
     const char *levels;     /* in the place of a unit: the name of the levels, before each number */
     bool down;              /* heights are negated depths or pressures, and are labelled as those */
@@ -32,10 +33,11 @@ struct backdrop {
 #define BACKDROP_NAMED (2 * GRID_NAME + 16)
 struct backdrop_names {
     struct grid_named scalar, x, z;
-    char title[2 * BACKDROP_NAMED];
+    char title[2 * BACKDROP_NAMED], proj[GRID_TITLE];
 };
-/* Sets title, flat, unit, levels and down from the title of b's grid, which n keeps. title: that of
- * the legend, or NULL. unit: of heights, with a minus sign for depths and pressures, or NULL. */
+/* Sets title, flat, proj, unit, levels and down from the title of b's grid, which n keeps. title:
+ * that of the legend, or NULL. unit: of heights, with a minus sign for depths and pressures, or
+ * NULL. */
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n);
 /* True if the grid's title says that x and y are longitude and latitude. */
@@ -87,8 +89,9 @@ struct backdrop_list {
 };
 #define BACKDROP_PAPER 0xf6f6f6u /* the colour under all */
 
-/* The lines of b, read once: they are on the globe, or on a plane if b->flat. NULL with a message
- * in err if they are invalid; lines NULL is none. */
+/* The lines of b, read once: they are on the globe, or on a plane if b->flat. With b->proj, those
+ * that are on the globe are put on the plane, around b->grid. NULL with a message in err if they
+ * are invalid; lines NULL is none. */
 struct backdrop_lines;
 struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR]);
 void backdrop_lines_free(struct backdrop_lines *l);

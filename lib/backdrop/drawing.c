@@ -55,6 +55,14 @@ void drawing_point(const struct drawing *s, double x, double y, double z)
     else mark_break(s->list);
 }
 
+bool drawing_in_front(const struct drawing *s, int axis, int side)
+{
+    const double *scale = s->b->spec->scale;
+    double here = (side ? s->hi : s->lo)[axis] * scale[axis];
+    double there = (side ? s->lo : s->hi)[axis] * scale[axis];
+    return here > there ? s->b->spec->from[axis] > here : s->b->spec->from[axis] < here;
+}
+
 /* By the widths of DejaVu Sans, which is wide. */
 double backdrop_text_width(const struct drawing *s, const char *text)
 {
@@ -131,4 +139,21 @@ double backdrop_step(double range, int n)
            : least <= 2 * step ? 2 * step
            : least <= 5 * step ? 5 * step
                                : 10 * step;
+}
+
+double backdrop_degree_step(double range)
+{
+    static const double steps[] = {1, 2, 5, 10, 15, 30, 45, 60, 90};
+    if (range <= 12) return backdrop_step(range, 12);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
+        if (range / steps[i] <= 12) return steps[i];
+    return backdrop_step(range, 12);
+}
+
+void backdrop_degrees_text(char *out, size_t n, int axis, double v)
+{
+    if (axis == 0) v = remainder(v, 360);
+    const char *side = v < 0 ? axis ? "S" : "W" : axis ? "N" : "E";
+    bool neither = v == 0 || (axis == 0 && fabs(v) == 180);
+    snprintf(out, n, "%.8g°%s", fabs(v), neither ? "" : side);
 }

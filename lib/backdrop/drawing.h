@@ -4,6 +4,7 @@
 
 #include "backdrop/backdrop.h"
 #include "geometry/geometry.h"
+#include "plane/plane.h"
 
 #define PAGE 0.92 /* linear light of the page, BACKDROP_PAPER */
 #define SEA 0xe3ebf1u
@@ -40,6 +41,8 @@ struct drawing {
     struct half half[HALVES]; /* set by drawing_bound (cut.c) */
     int n_halves;
     double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
+
+    const struct plane *plane; /* of x and y; NULL: not known, or the map is in degrees */
 };
 
 /* ---- the list (mark.c) ---------------------------------------------------------------------- */
@@ -71,6 +74,8 @@ static inline struct backdrop_at drawing_on_map(const struct drawing *s, double 
     return (struct backdrop_at){(s->w + (m[0][0] * x + m[0][1] * y + m[0][2]) / far) / 2,
         (s->h + (m[1][0] * x + m[1][1] * y + m[1][2]) / far) / 2};
 }
+/* True if this side of the box (0 low, 1 high) is between the eye and the interior. */
+bool drawing_in_front(const struct drawing *s, int axis, int side);
 /* Adds a point to a line. Breaks the line if the point is invisible. */
 void drawing_point(const struct drawing *s, double x, double y, double z);
 /*
@@ -102,10 +107,18 @@ struct ticks {
     int first, last;
 };
 struct ticks backdrop_ticks(double lo, double hi, double step);
+/* As backdrop_step, in degrees: at most 12 steps. */
+double backdrop_degree_step(double range);
+/* Longitudes (axis 0) from 180 W to 180 E, latitudes unchanged. */
+void backdrop_degrees_text(char *out, size_t n, int axis, double v);
 
-/* ---- parts of the drawing (map.c, legend.c) ------------------------------------------------ */
+/* ---- parts of the drawing (map.c, curves.c, legend.c) ---------------------------------------- */
 
 void backdrop_graticule(const struct drawing *s);
+/* Meridians and parallels on a plane, and labels where they meet the map's edge: at the lower or
+ * the upper end of y first, away from the corner of the heights. */
+void backdrop_curves(const struct drawing *s);
+void backdrop_label_curves(const struct drawing *s, bool low, const double corner[2]);
 void backdrop_edges(const struct drawing *s);
 void backdrop_labels(const struct drawing *s);
 void backdrop_legend(const struct drawing *s);

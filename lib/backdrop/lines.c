@@ -61,17 +61,46 @@ static bool take_head(struct backdrop_lines *l, char *line)
 
 static bool is_area(enum lines_kind kind) { return kind == LINES_LAND || kind == LINES_WATER; }
 
-/* Keeps the part that was read. */
+static void keep(struct backdrop_lines *l, const struct lines_part *p)
+{
+    l->part = xgrown(l->part, l->n, sizeof *l->part);
+    l->part[l->n] = *p;
+    outline_bound(&l->part[l->n++].o);
+}
+
+static void take_piece(void *lines, struct outline *piece, enum outline_piece kind)
+{
+    struct backdrop_lines *l = lines;
+    const bool side = kind == OUTLINE_LINE && is_area(l->now.kind);
+    keep(l, &(struct lines_part){.o = *piece,
+                .kind = side ? LINES_OPEN : l->now.kind,
+                .text = l->now.text,
+                .seen = true,
+                .bare = kind == OUTLINE_AREA});
+}
+
+/* Puts places from the globe on the plane, where they are on it. */
+static void spread_places(struct backdrop_lines *l, const struct outline *o)
+{
+    struct lines_part p = {.kind = LINES_MARK, .text = l->now.text, .seen = true, .o.flat = true};
+    struct plane_at at;
+    for (size_t i = 0; i < o->n; i++)
+        if (plane_forward(l->plane, (struct plane_at){o->at[i].x, o->at[i].y}, &at))
+            outline_add(&p.o, (struct outline_point){at.x, at.y});
+    if (p.o.n) keep(l, &p);
+}
+
+/* Keeps the part that was read; or, from the globe, what is on the plane. */
 static void flush(struct backdrop_lines *l)
 {
     struct lines_part *p = &l->now;
-    if (p->o.n) {
-        if (is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
-        outline_bound(&p->o);
-        l->part = xgrown(l->part, l->n, sizeof *l->part);
-        l->part[l->n++] = *p;
-    }
-    l->now = (struct lines_part){.o.flat = p->o.flat, .seen = true};
+    if (p->o.n && is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
+    if (l->plane && l->globe) {
+        if (p->kind == LINES_MARK) spread_places(l, &p->o);
+        else outline_spread(l->plane, &p->o, is_area(p->kind), take_piece, l);
+        outline_free(&p->o);
+    } else if (p->o.n) keep(l, p);
+    l->now = (struct lines_part){.o.flat = l->flat && !l->globe, .seen = true};
 }
 
 /* Returns NULL, or what was expected. */
@@ -82,14 +111,31 @@ static const char *read_line(struct backdrop_lines *l, char *line)
         flush(l);
         if (!take_head(l, line))
             return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
-        return l->now.kind == LINES_GLOBE && l->now.o.flat
-                   ? "longitudes and latitudes, which x and y of the grid are not, expected lines "
-                     "in its coordinates, or none"
-                   : NULL;
+        if (l->now.kind == LINES_GLOBE) l->globe = true;
+        l->now.o.flat = l->flat && !l->globe;
+        return l->globe && l->flat && !l->plane ? l->no_plane : NULL;
     }
     if (!numbers(line, v)) return "expected longitude and latitude";
     outline_add(&l->now.o, (struct outline_point){v[0], v[1]});
     return NULL;
+}
+
+/* Opens the plane of the grid's title; else no_plane says what is wrong with lines on the globe. */
+static void open_plane(const struct backdrop *b, struct backdrop_lines *l)
+{
+    const struct grid *g = b->grid;
+    const bool rotated = b->flat && strcmp(b->flat, BACKDROP_DEGREE) == 0;
+    char why[ERR_BYTES];
+    err_set(l->no_plane, "longitudes and latitudes, which x and y of the grid are not, expected "
+                         "lines in its coordinates, or none");
+    if (!b->proj) return;
+    l->plane = plane_open(b->proj, rotated ? "degrees" : b->flat,
+        (struct plane_at){g->at[0][0], g->at[1][0]},
+        (struct plane_at){g->at[0][g->n[0] - 1], g->at[1][g->n[1] - 1]}, why);
+    if (!l->plane)
+        err_set(l->no_plane,
+            "longitudes and latitudes, but the plane in the grid's title cannot be used: %.160s",
+            why);
 }
 
 struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR])
@@ -98,14 +144,19 @@ struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BA
     char line[LINE];
     int number = 1;
     const char *fault = NULL;
+    l->flat = b->flat;
+    open_plane(b, l);
     l->now = (struct lines_part){.o.flat = b->flat, .seen = true};
     for (const char *rest = b->lines; rest && !fault; number++) {
         rest = next_line(rest, line);
         fault = read_line(l, line);
     }
-    flush(l);
-    if (!fault) return l;
+    if (!fault) {
+        flush(l);
+        return l;
+    }
     err_set(err, "%.128s:%d: %s", b->lines_name, number - 1, fault);
+    outline_free(&l->now.o);
     backdrop_lines_free(l);
     return NULL;
 }
@@ -114,10 +165,13 @@ void backdrop_lines_free(struct backdrop_lines *l)
 {
     if (!l) return;
     for (size_t i = 0; i < l->n; i++) outline_free(&l->part[i].o);
+    plane_free(l->plane);
     free(l->part);
     buf_free(&l->text);
     free(l);
 }
+
+const struct plane *lines_plane(const struct backdrop_lines *l) { return l->plane; }
 
 void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 {
@@ -129,5 +183,5 @@ void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 void lines_stroke(const struct drawing *s, const struct backdrop_lines *l)
 {
     for (const struct lines_part *p = l->part; p < l->part + l->n; p++)
-        if (p->seen && p->kind < LINES_TEXT) outline_stroke(s, &p->o);
+        if (p->seen && !p->bare && p->kind < LINES_TEXT) outline_stroke(s, &p->o);
 }

@@ -10,6 +10,7 @@ struct lines_part {
     struct outline o;
     enum lines_kind kind;
     bool seen;   /* an area, in the last picture; others always */
+    bool bare;   /* an area without its outline, which other parts are */
     size_t text; /* where its text or name begins, for LINES_TEXT and LINES_MARK */
     size_t n_at; /* of LINES_MARK: its points in the last picture */
 };
@@ -18,12 +19,17 @@ struct backdrop_lines {
     size_t n;
     struct buf text;       /* each ends with a byte 0 */
     struct lines_part now; /* being read */
+    bool flat, globe;      /* on a plane; all lines from here on are on the globe */
+    struct plane *plane;   /* NULL: not known, or not flat: no_plane says why not */
+    char no_plane[BACKDROP_ERR];
 };
 static inline const char *lines_text(const struct backdrop_lines *l, const struct lines_part *p)
 {
     return (const char *)buf_data(&l->text) + p->text;
 }
 
+/* That on which the lines are; NULL: not known, or the map is in degrees. */
+const struct plane *lines_plane(const struct backdrop_lines *l);
 /* Adds the areas to the list; later areas cover earlier ones. */
 void lines_fill(const struct drawing *s, struct backdrop_lines *l);
 /* Adds lines, and outlines of the areas that lines_fill found visible, to the list's last mark. */

@@ -22,34 +22,6 @@ static void along(const struct drawing *s, int axis, const double at[3])
     segment(s, a, b);
 }
 
-/* True if this side of the box (0 low, 1 high) is between the eye and the interior. */
-static bool in_front(const struct drawing *s, int axis, int side)
-{
-    const double *scale = s->b->spec->scale;
-    double here = (side ? s->hi : s->lo)[axis] * scale[axis];
-    double there = (side ? s->lo : s->hi)[axis] * scale[axis];
-    return here > there ? s->b->spec->from[axis] > here : s->b->spec->from[axis] < here;
-}
-
-/* Step of a graticule in degrees. */
-static double degree_step(double range)
-{
-    static const double steps[] = {1, 2, 5, 10, 15, 30, 45, 60, 90};
-    if (range <= 12) return backdrop_step(range, 12);
-    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
-        if (range / steps[i] <= 12) return steps[i];
-    return backdrop_step(range, 12);
-}
-
-/* Longitudes (axis 0) from 180 W to 180 E, latitudes unchanged. */
-static void degrees_text(char *out, size_t n, int axis, double v)
-{
-    if (axis == 0) v = remainder(v, 360);
-    const char *side = v < 0 ? axis ? "S" : "W" : axis ? "N" : "E";
-    bool neither = v == 0 || (axis == 0 && fabs(v) == 180);
-    snprintf(out, n, "%.8g°%s", fabs(v), neither ? "" : side);
-}
-
 #define KM_LEAST 2e4 /* metres: larger ranges are labelled in kilometres */
 
 static void flat_text(const struct drawing *s, char *out, size_t n, double v)
@@ -62,14 +34,14 @@ static void flat_text(const struct drawing *s, char *out, size_t n, double v)
 static void place_text(const struct drawing *s, char *out, size_t n, int axis, double v)
 {
     if (s->b->flat) flat_text(s, out, n, v);
-    else degrees_text(out, n, axis, v);
+    else backdrop_degrees_text(out, n, axis, v);
 }
 
 static struct ticks graticule_of(const struct drawing *s, int axis)
 {
     double wide = fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
-    return backdrop_ticks(
-        s->lo[axis], s->hi[axis], s->b->flat ? backdrop_step(wide, 12) : degree_step(wide));
+    double step = s->b->flat ? backdrop_step(wide, 12) : backdrop_degree_step(wide);
+    return backdrop_ticks(s->lo[axis], s->hi[axis], step);
 }
 
 static struct ticks heights_of(const struct drawing *s)
@@ -81,7 +53,8 @@ static struct ticks heights_of(const struct drawing *s)
 
 void backdrop_graticule(const struct drawing *s)
 {
-    for (int axis = 0; axis < 2; axis++) {
+    if (s->plane) backdrop_curves(s);
+    for (int axis = 0; axis < 2 && !s->plane; axis++) {
         struct ticks t = graticule_of(s, axis);
         for (int i = t.first; i <= t.last; i++) {
             double at[3] = {s->lo[0], s->lo[1], s->lo[2]};
@@ -95,7 +68,7 @@ void backdrop_graticule(const struct drawing *s)
             int axis = wall / 2, side = wall % 2;
             double at[3] = {s->lo[0], s->lo[1], i * t.step};
             if (side) at[axis] = s->hi[axis];
-            if (!in_front(s, axis, side)) along(s, 1 - axis, at);
+            if (!drawing_in_front(s, axis, side)) along(s, 1 - axis, at);
         }
 }
 
@@ -109,7 +82,7 @@ void backdrop_edges(const struct drawing *s)
             double at[3] = {0};
             at[b] = (sb ? s->hi : s->lo)[b];
             at[c] = (sc ? s->hi : s->lo)[c];
-            if (!in_front(s, b, sb) || !in_front(s, c, sc)) along(s, axis, at);
+            if (!drawing_in_front(s, b, sb) || !drawing_in_front(s, c, sc)) along(s, axis, at);
         }
 }
 
@@ -146,7 +119,8 @@ static enum label label_latitude(const struct drawing *s, const void *ctx, doubl
     if (!backdrop_project(s, s->lo[0] - b->pad / 2, v, s->lo[2], xy) ||
         !backdrop_project(s, s->hi[0] + b->pad / 2, v, s->lo[2], other))
         return LABEL_LEFT_OUT;
-    bool left = in_front(s, 0, 0) || in_front(s, 0, 1) ? in_front(s, 0, 0) : xy[0] < other[0];
+    bool low = drawing_in_front(s, 0, 0), high = drawing_in_front(s, 0, 1);
+    bool left = low || high ? low : xy[0] < other[0];
     bool first = xy[0] < other[0] ? left : !left;
     return backdrop_label(s, text, left ? xy : other, first ? 1 : -1);
 }
@@ -235,9 +209,12 @@ void backdrop_labels(const struct drawing *s)
     struct ticks x = graticule_of(s, 0), y = graticule_of(s, 1), z = heights_of(s);
     struct beside b = {.y = low ? s->lo[1] : s->hi[1], .pad = low ? -pad : pad, .step = x.step};
     find_corner(s, b.corner);
-    backdrop_label_ticks(s, &x, label_longitude, &b);
-    b.pad = pad;
-    backdrop_label_ticks(s, &y, label_latitude, &b);
+    if (s->plane) backdrop_label_curves(s, low, b.corner);
+    else {
+        backdrop_label_ticks(s, &x, label_longitude, &b);
+        b.pad = pad;
+        backdrop_label_ticks(s, &y, label_latitude, &b);
+    }
     b.bare = !heights_fit(s, &b, &z);
     backdrop_label_ticks(s, &z, label_height, &b);
     if (b.bare) label_unit(s, &b);

@@ -21,10 +21,12 @@ static bool is_rotated(const char *name)
 /* The unit of x and y, or NULL if they are longitude and latitude. */
 static const char *flat_unit(const struct grid *g, struct grid_named *x)
 {
+    char proj[GRID_TITLE];
     if (!grid_title(g->title, 'x', x)) return NULL;
     if (x->unit[0] && strncasecmp(x->unit, "degree", 6) != 0) return x->unit;
     if (text_has(x->unit, "_w")) return x->unit; /* degrees_west */
-    return is_rotated(x->name) ? BACKDROP_DEGREE : NULL;
+    const bool rotated = grid_title_proj(g->title, proj) && strstr(proj, "proj=ob_tran");
+    return is_rotated(x->name) || rotated ? BACKDROP_DEGREE : NULL;
 }
 
 /* The legend has two bars: adds the name of the flat ground. */
@@ -56,6 +58,7 @@ void backdrop_name(
     if (b->spec->flat && !title) name_flat(g, n->title);
     b->title = title ? title : n->title;
     b->flat = flat_unit(g, &n->x);
+    b->proj = b->flat && grid_title_proj(g->title, n->proj) ? n->proj : NULL;
     known = grid_title(g->title, 'z', &n->z);
     b->down = unit ? unit[0] == '-' : known && n->z.down;
     b->unit = unit ? unit + b->down : known ? n->z.unit : "";
@@ -72,7 +75,10 @@ static size_t timeless(const char *title)
 static bool same_title(const char *a, const char *b)
 {
     size_t n = timeless(a);
-    return n == timeless(b) && strncmp(a, b, n) == 0;
+    char plane[2][GRID_TITLE] = {"", ""};
+    grid_title_proj(a, plane[0]);
+    grid_title_proj(b, plane[1]);
+    return n == timeless(b) && strncmp(a, b, n) == 0 && strcmp(plane[0], plane[1]) == 0;
 }
 
 bool backdrop_alike(const struct grid *a, const struct grid *b)

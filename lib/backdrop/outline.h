@@ -41,6 +41,19 @@ bool backdrop_cut_line(
 void backdrop_cut_polygon(const struct halves *h, struct outline *o, struct outline *other);
 struct outline_point outline_between(struct outline_point p, struct outline_point q, double f);
 
+/* What becomes of a line, or of an area with its outline, on a plane. Edges where the globe is cut
+ * open belong to an area, but not to its outline. */
+enum outline_piece {
+    OUTLINE_BOTH, /* an area as a whole; its last point equals the first */
+    OUTLINE_AREA, /* a part of an area, likewise */
+    OUTLINE_LINE  /* a part of a line, or of an area's outline */
+};
+/* Takes a piece, and frees or keeps it. */
+typedef void outline_take(void *ctx, struct outline *piece, enum outline_piece kind);
+/* Puts a line from the globe on the plane; or, if area, an area, whose last point is its first. */
+void outline_spread(const struct plane *plane, const struct outline *globe, bool area,
+    outline_take *take, void *ctx);
+
 /* Adds the visible pieces to the list's last mark. */
 void outline_stroke(const struct drawing *s, const struct outline *o);
 /* Adds the visible points, without lines between them. */

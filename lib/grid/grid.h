@@ -130,5 +130,8 @@ struct grid_named {
 };
 /* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False if the title does not mention it. */
 bool grid_title(const char *title, char axis, struct grid_named *n);
+/* Copies the PROJ string of the plane of x and y. False if the title has none, or is so long that
+ * the string may have been cut. */
+bool grid_title_proj(const char *title, char proj[GRID_TITLE]);
 
 #endif

@@ -1,5 +1,5 @@
-/* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]", where any part may be
- * missing. */
+/* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]; ...; proj STRING", where any
+ * part may be missing. */
 #include "grid/grid.h"
 
 #include <string.h>
@@ -28,4 +28,14 @@ bool grid_title(const char *title, char axis, struct grid_named *n)
         return take(at + n->down, end, n);
     }
     return false;
+}
+
+bool grid_title_proj(const char *title, char proj[GRID_TITLE])
+{
+    static const char mark[] = "; proj ";
+    const char *at = strstr(title, mark);
+    if (!at || strlen(title) >= GRID_TITLE - 1) return false;
+    at += sizeof mark - 1;
+    snprintf(proj, GRID_TITLE, "%.*s", (int)strcspn(at, ";"), at);
+    return true;
 }

@@ -21,8 +21,9 @@ void paint_free(struct paint *p);
 /*
  * Paints these parts over the colour of the page, which is opaque: b->w times b->h plus
  * backdrop_strip(b) pixels. b may have another grid, camera and size at each call; b->lines do not
- * count. Its map must be that of paint_open: b->flat NULL, or not. Returns false, and paints
- * nothing, if a side is more than Cairo's 32767 pixels, or there is no memory.
+ * count. Its map must be that of paint_open: b->flat NULL, or not; b->proj, and about the same x
+ * and y. Returns false, and paints nothing, if a side is more than Cairo's 32767 pixels, or there
+ * is no memory.
  */
 bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, uint32_t *argb);
 

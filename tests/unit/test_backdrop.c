@@ -130,6 +130,10 @@ static void check_labels(const char *script, const struct backdrop *b, const cha
 static void test_labels(void **state)
 {
     (void)state;
+    /* globes of some metres */
+    static const char *const planes[] = {"+proj=stere +lat_0=90 +R=20 +x_0=10 +y_0=45",
+        "+proj=merc +R=3.2 +x_0=10 +y_0=45", "+proj=lcc +lat_1=50 +R=9 +x_0=10 +y_0=45",
+        "+proj=laea +lon_0=170 +R=3 +x_0=10 +y_0=45", "+proj=utm +zone=3 +ellps=WGS84"};
     struct grid g;
     struct spec s;
     char err[ERR_BYTES];
@@ -144,8 +148,14 @@ static void test_labels(void **state)
         if (spec_read("spec", (const char *)buf_data(&text), buf_size(&text), &s, err) != 0)
             fail_msg("%s", err);
         buf_append(&text, "", 1);
-        struct backdrop b = {&g, &s, s.w, s.h, "wind speed, m/s", NULL, "hPa", NULL, false,
-            "2026-11-23 12:00 UTC", NULL, NULL};
+        struct backdrop b = {.grid = &g,
+            .spec = &s,
+            .w = s.w,
+            .h = s.h,
+            .title = "wind speed, m/s",
+            .unit = "hPa",
+            .time = "2026-11-23 12:00 UTC"};
+        if (round % 3 == 1) b.flat = "m", b.proj = planes[round % 5];
         if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
         buf_append(&out, "", 1);
         check_labels((const char *)buf_data(&out), &b, (const char *)buf_data(&text));

@@ -38,6 +38,18 @@ static void assert_counts(const struct grid *g)
     for (size_t i = 0; i < 12; i++) assert_true(g->value[i] == (float)(i + 1));
 }
 
+static void test_plane_of_title(void **state)
+{
+    (void)state;
+    char proj[GRID_TITLE], cut[GRID_TITLE + 1] = "T [K]; t time 0 [d]; proj +proj=merc +lon_0=1";
+    assert_true(grid_title_proj(cut, proj));
+    assert_string_equal(proj, "+proj=merc +lon_0=1");
+    memset(cut + strlen(cut), '0', sizeof cut - 2 - strlen(cut)); /* GRID_TITLE - 1 bytes */
+    assert_false(grid_title_proj(cut, proj));
+    assert_false(grid_title_proj("T [K]; x proj [m]; t proj 0 [d]", proj));
+    assert_false(grid_title_proj("", proj));
+}
+
 static void test_ascii(void **state)
 {
     (void)state;
@@ -506,7 +518,7 @@ static void test_axis(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ascii),
+        cmocka_unit_test(test_plane_of_title), cmocka_unit_test(test_ascii),
         cmocka_unit_test(test_descending),
         cmocka_unit_test(test_binary),
         cmocka_unit_test(test_refused),
