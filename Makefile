@@ -74,11 +74,12 @@ FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
                -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=pointer-overflow
 
 # Five programs need a library each: where it is missing, the others are built, and make says so.
-LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
-LIBS_grib2vtk = -leccodes $(LIBS_units)
+LIBS_nc2vtk   = -lnetcdf $(LIBS_units) $(LIBS_plane)
+LIBS_grib2vtk = -leccodes $(LIBS_units) $(LIBS_plane)
 LIBS_backdrop = $(LIBS_units)
 LIBS_album = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
+LIBS_plane    = $(if $(PROJ),-lproj)
 LIBS_test_heights = $(LIBS_units)
 LIBS_test_expression = $(LIBS_units)
 LIBS_test_backdrop = $(LIBS_units)
@@ -107,6 +108,8 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
+# Without this one, nc2vtk and grib2vtk find no places on planes of projection.
+PROJ    := $(if $(call lacks,proj.h,-),,proj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
@@ -121,7 +124,7 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
-           lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
+           lib/units/$(if $(UDUNITS),none,udunits).c lib/plane/$(if $(PROJ),none,proj).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
@@ -169,6 +172,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 	$(if $(UDUNITS),,@echo "make: nc2vtk and grib2vtk convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
+	$(if $(PROJ),,@echo "make: nc2vtk and grib2vtk find no places on planes of projection: libproj-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

@@ -148,6 +148,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
     if (!find_coordinates(group, dim, name, &in, &id)) {
         if (strncmp(name, "bottom_top", 10) == 0) count_levels(a);
+        if (a->kind == CF_T) cf_wrf_times(c, group, a);
         return true;
     }
     cf_packing(c, in, id, &p);

@@ -66,6 +66,22 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
  * axis of its kind becomes that. False with the reason in err unless x, y and z each occur once.
  */
 bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES]);
+/* Finds the plane of the field's grid mapping, if it states one. (mapping.c) */
+void cf_mapping_read(struct cf_file *c, struct cf_field *f);
+/* Makes x and y metres on the plane; or forgets the plane, if they are no lengths. On a rotated
+ * sphere they are degrees. */
+void cf_mapping_use(struct cf_field *f);
+/* Reads an attribute of one or two numbers. Returns their count; 0 if it is none. */
+size_t cf_reals(struct cf_file *c, int group, int id, const char *name, double out[2]);
+/* Makes x and y of the longitude and latitude of each node, if these are rectilinear. Otherwise
+ * plane_fault says why. (curvilinear.c) */
+void cf_curvilinear(struct cf_file *c, struct cf_field *f);
+/* Takes the middles of staggered axes. (wrf.c) */
+void cf_wrf_center(struct cf_field *f);
+/* Writes the plane of the file's global attributes, if they state one. */
+void cf_wrf_plane(struct cf_file *c, char text[PLANE_TEXT]);
+/* Reads the times of a dimension that has no coordinates from XTIME or Times. */
+void cf_wrf_times(struct cf_file *c, int group, struct cf_axis *a);
 /* Adds and takes away whole circles, so that longitudes that cross the end of their range, such as
  * 355, 0, 5, ascend or descend. */
 void cf_unwrap(struct cf_axis *a);

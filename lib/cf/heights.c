@@ -11,6 +11,7 @@
 #include <strings.h>
 
 #define GRAVITY 9.80665 /* m/s2 */
+#define WRF_GRAVITY 9.81
 #define P0 1e5          /* Pa, of files whose P0 is a name without a variable */
 
 /* ---- geopotential --------------------------------------------------------------------------- */
@@ -76,6 +77,24 @@ static int find_geopotential(
         cf_field_free(&h->geopotential);
     }
     return 0;
+}
+
+/* Finds the geopotential of the model WRF, the sum of two variables. */
+static bool find_wrf(struct cf_file *c, const struct cf_field *f, struct cf_heights *h)
+{
+    char err[ERR_BYTES];
+    int id[2];
+    if (nc_inq_varid(f->group, "PH", &id[0]) != NC_NOERR ||
+        nc_inq_varid(f->group, "PHB", &id[1]) != NC_NOERR)
+        return false;
+    h->metres = 1 / WRF_GRAVITY;
+    if (cf_field_read(c, f->group, id[0], &h->geopotential, err) &&
+        cf_field_read(c, f->group, id[1], &h->base, err) && cf_same_axes(f, &h->geopotential) &&
+        cf_same_axes(f, &h->base))
+        return true;
+    cf_field_free(&h->geopotential);
+    cf_field_free(&h->base);
+    return false;
 }
 
 /* ---- hybrid levels --------------------------------------------------------------------------- */
@@ -225,7 +244,7 @@ bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
     struct names n;
     *h = (struct cf_heights){.kind = CF_HEIGHTS_NONE};
     if (z->made) return true;
-    const int found = standard ? 0 : find_geopotential(c, f, h, err);
+    const int found = standard ? 0 : find_wrf(c, f, h) ? 1 : find_geopotential(c, f, h, err);
     if (found < 0) return false;
     if (found) {
         h->kind = CF_HEIGHTS_GEOPOTENTIAL;
@@ -253,6 +272,7 @@ bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
 void cf_heights_free(struct cf_heights *h)
 {
     cf_field_free(&h->geopotential);
+    cf_field_free(&h->base);
     free(h->a);
     free(h->b);
 }
@@ -320,9 +340,17 @@ bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct
     const size_t layer = (size_t)g->n[0] * g->n[1];
     if (h->kind == CF_HEIGHTS_GEOPOTENTIAL) {
         if (!cf_values(c, &h->geopotential, time, member, g, err)) return false;
-        for (size_t i = 0; i < layer * g->n[2]; i++)
-            g->value[i] = (float)((double)g->value[i] * h->metres);
-        return true;
+        const size_t nodes = layer * g->n[2];
+        struct grid base = *g;
+        base.value = h->base.n_axes ? xcalloc(nodes, sizeof *base.value) : NULL;
+        const bool good =
+            !base.value || cf_values(c, &h->base, time, member, &base, err);
+        for (size_t i = 0; i < nodes; i++) {
+            const double more = base.value ? (double)base.value[i] : 0;
+            g->value[i] = (float)(((double)g->value[i] + more) * h->metres);
+        }
+        free(base.value);
+        return good;
     }
     double *ps = xcalloc(layer, sizeof *ps);
     bool good = h->kind == CF_HEIGHTS_SEA || surface(c, f, h, time, member, g, ps, err);
