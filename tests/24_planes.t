@@ -141,6 +141,40 @@ is 'WRF: degrees that cross 180' "$(got degrees.nc T >/dev/null; plane; coordina
 sed 's/:TRUELAT2 = 60.f/:TRUELAT2 = 50.f/' wrf.cdl | sed 's/XLONG = 9[0-9.]*/XLONG = 9.9/' | ncgen -o off.nc
 refused off.nc T 'a curvilinear grid: XLONG and XLAT leave a rectilinear grid on the plane of the file by [0-9.e+]* steps, expected coordinates along each axis, as cdo'
 
+# ---- levels that follow the bottom of the sea ---------------------------------------------------------------------------
+# a depth of 90 m, the surface 1 m higher than at rest; the values are their levels' numbers
+make_nc roms 'ocean_time = 1; s_rho = 2; eta_rho = 2; xi_rho = 3;' 'double ocean_time(ocean_time); ocean_time:units = "seconds since 2026-01-01";
+	double s_rho(s_rho); s_rho:standard_name = "ocean_s_coordinate_g2"; s_rho:formula_terms = "s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc";
+	double Cs_r(s_rho); double hc; hc:units = "meter"; double a; double b; double zlev(s_rho); int n; double h(eta_rho, xi_rho); h:units = "meter";
+	double zeta(ocean_time, eta_rho, xi_rho); zeta:units = "cm"; double lon_rho(eta_rho, xi_rho); lon_rho:units = "degree_east";
+	double lat_rho(eta_rho, xi_rho); lat_rho:units = "degree_north"; float temp(ocean_time, s_rho, eta_rho, xi_rho);
+	temp:coordinates = "lon_rho lat_rho s_rho ocean_time";' 's_rho = -.5, -.1; Cs_r = -.3, -.05; hc = 10; a = 5; b = .4; zlev = -200, -300; n = 0;
+	h = 90, 90, 90, 90, 90, 90; zeta = 100, 100, 100, 100, 100, 100; lon_rho = -71, -70, -68, -71, -70, -68; lat_rho = 40, 40, 40, 41, 41, 41;
+	temp = 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2;'
+levels() { got -z "$1" temp >/dev/null && coordinates Z a.vtk | awk '{ printf "%.4f ", $1 }'; }
+of_form() { sed "s/coordinate_g2/coordinate$1/; s/\"s: s_rho C: Cs_r eta/\"$2 eta/" roms.cdl | ncgen -o form.nc && levels form.nc; }
+if there /usr/include/udunits2.h; then
+	is 'ocean s, second generic form' "$(levels roms.nc)" '-28.1200 -4.0050 '
+	is 'ocean s, first generic form' "$(of_form _g1 's: s_rho C: Cs_r')" '-28.3222 -4.0556 '
+	is 'ocean s' "$(of_form '' 's: s_rho a: a b: b')" '-24.4137 -0.8034 '
+	is 'ocean sigma' "$(sed 's/ocean_s_/ocean_sigma_/' roms.cdl >o.cdl; sed 's/coordinate_g2/coordinate/; s/"s: s_rho C/"sigma: s_rho C/' o.cdl | ncgen -o form.nc; levels form.nc)" '-44.5000 -8.1000 '
+	sed 's/ocean_s_coordinate_g2/ocean_sigma_z_coordinate/; s/"s: s_rho C: Cs_r/"sigma: s_rho zlev: zlev nsigma: n/; s/hc = 10/hc = 50/' roms.cdl >o.cdl
+	is 'ocean sigma over z' "$(sed 's/n = 0/n = 2/' o.cdl | ncgen -o form.nc; levels form.nc)" '-24.5000 -4.1000 '
+	is 'ocean sigma over z: z' "$(sed 's/zlev = -200, -300/zlev = -300, -200/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	is 'values stay at their levels' "$(got -z roms.nc temp)" '1 1 1 1 1 1 2 2 2 2 2 2'
+	sed 's/h = 90, 90/h = 90, 900/' roms.cdl | ncgen -o steep.nc
+	is 'values are moved in each column' "$(got -z steep.nc temp | cut -d' ' -f 1-3)" '1 2 1'
+	sed 's/ depth_c: hc//' roms.cdl | ncgen -o less.nc
+	run nc2vtk -z less.nc temp
+	is 'refused: a term that is not there' "$status:$out:$err" '2::nc2vtk: less.nc: temp: -z: the formula_terms of s_rho lack depth_c'
+	sed 's/zeta: *zeta/q: q/; s/double zeta/double q/; s/zeta:units/q:units/; s/zeta = /q = /' roms.cdl | sed 's/eta: q/eta: zeta/' | ncgen -o no.nc
+	run nc2vtk -z no.nc temp
+	is 'refused: a variable that is not there' "$status:$out:$err" '2::nc2vtk: no.nc: temp: -z: the levels need zeta, which is not there'
+fi
+is 'ROMS: degrees' "$(got roms.nc temp >/dev/null; on_line coordinates X a.vtk; on_line coordinates Y a.vtk)" '-71 -70 -6840 41'
+sed 's/lat_rho = 40, 40, 40/lat_rho = 40, 40.2, 40.4/' roms.cdl | ncgen -o bent.nc
+refused bent.nc temp 'a curvilinear grid: lon_rho and lat_rho are rectilinear neither in degrees nor on a plane of the file, expected coordinates along each axis, as cdo remapbil,GRID'
+
 # ---- grids of GRIB ---------------------------------------------------------------------------------------------------
 converter=grib2vtk
 # projected NAME STEP PLANE RULES: all nodes of a grid of 5x4 lie where ecCodes and PROJ have them

@@ -56,7 +56,8 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis
     if (strstr(a->units, " since ") || strcasecmp(standard, "time") == 0 ||
         strcasecmp(a->name, "time") == 0)
         return CF_T;
-    return positive[0] || one_of(standard, up) || is_pressure(a->units) ? CF_Z : CF_NONE;
+    cf_text(c, group, id, "formula_terms", axis);
+    return positive[0] || axis[0] || one_of(standard, up) || is_pressure(a->units) ? CF_Z : CF_NONE;
 }
 
 /*

@@ -113,7 +113,12 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, size_t 
 
 /* ---- heights -------------------------------------------------------------------------------- */
 
-#define CF_TERMS 3
+/* A variable of x, y and perhaps time. */
+struct cf_layer {
+    int group, id;
+    double unit; /* to multiply by */
+};
+struct cf_ocean;
 /* The variables from which the height of each node of a field comes. */
 struct cf_heights {
     enum {
@@ -121,15 +126,15 @@ struct cf_heights {
         CF_HEIGHTS_GEOPOTENTIAL,
         CF_HEIGHTS_HYBRID,
         CF_HEIGHTS_OROGRAPHY,
+        CF_HEIGHTS_OCEAN, /* levels that follow the bottom of the sea */
         CF_HEIGHTS_SEA /* a is the pressure in the sea, in Pa */
     } kind;
     struct cf_field geopotential, base; /* base: to be added, if it has axes */
     double metres;                      /* of a unit of the geopotential */
     double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa; or the height
                     * is that with the height of the ground, in metres */
-    int surface;   /* variable of the surface's pressure or height, in this group: */
-    int group;
-    double unit; /* a unit of it in Pa or metres */
+    struct cf_layer surface; /* its pressure in Pa, or its height in metres */
+    struct cf_ocean *ocean;  /* of CF_HEIGHTS_OCEAN */
 };
 /*
  * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure or

@@ -39,6 +39,34 @@ double cf_unpack(const struct cf_packing *p, double stored);
  * missing. */
 double cf_in_units(const char *unit, const char *of);
 
+/* Finds the variable of a term, such as "ps" in "a: hyam b: hybm p0: P0 ps: PS". (terms.c) */
+bool cf_term(const char *terms, const char *what, char name[CF_TEXT]);
+/* Finds a variable in the group or an enclosing one. */
+bool cf_find_above(int *group, const char *name, int *id);
+/* Metres in a unit of a geopotential or its height; 0 if it is none of either. */
+double cf_metres_in(const char *units);
+/* Multiplies by the metres in a unit of a variable; one without a unit is in metres. False with the
+ * reason in err if its unit is no length. */
+bool cf_to_metres(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES]);
+/* The same for a pressure, in Pa. */
+bool cf_to_pascals(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES]);
+/* Reads n numbers of a variable. */
+bool cf_numbers(
+    struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES]);
+/* Reads a variable at one time, as a layer of g. Its dimensions are those of the field, without
+ * z. */
+bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h, size_t time,
+    size_t member, const struct grid *g, double *layer, char err[ERR_BYTES]);
+/* True if the levels follow the bottom of the sea, by a formula. (ocean.c) */
+bool cf_is_ocean(struct cf_file *c, const struct cf_axis *z);
+/* Finds the terms of that formula. NULL with a message in err if one cannot be used. The caller
+ * frees it. */
+struct cf_ocean *cf_ocean_find(struct cf_file *c, const struct cf_field *f, char err[ERR_BYTES]);
+void cf_ocean_free(struct cf_ocean *o);
+/* Reads the heights of all nodes at one time, in metres. */
+bool cf_ocean_values(struct cf_file *c, const struct cf_field *f, const struct cf_ocean *o,
+    size_t time, size_t member, struct grid *g, char err[ERR_BYTES]);
+
 /* A unit of pressure in Pa; 0 if it is none. */
 double cf_in_pascals(const char *unit);
 /* Refuses an axis of several elements that is none of x, y, z and time, and says what there is to
