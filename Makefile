@@ -109,7 +109,7 @@ ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 # Without this one, nc2vtk and grib2vtk find no places on planes of projection.
-PROJ    := $(if $(call lacks,proj.h,-),,proj)
+PROJ    := $(if $(call lacks,proj.h,-),,libproj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
@@ -124,7 +124,7 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
-           lib/units/$(if $(UDUNITS),none,udunits).c lib/plane/$(if $(PROJ),none,proj).c,$(wildcard lib/*/*.c)))
+           lib/units/$(if $(UDUNITS),none,udunits).c lib/projection/$(if $(PROJ),none,libproj).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)

@@ -233,7 +233,7 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
 
 static void convert_stack(struct gb_index *x, const struct options *o)
 {
-    char plane[PLANE_TEXT], err[ERR_BYTES];
+    char plane[PROJECTION_TEXT], err[ERR_BYTES];
     struct source s = find(x, o);
     if (!gb_plane_of(o->common.file, &s.part[0], plane, err))
         die(ST_USAGE, "%s: %s: %s", o->common.file, o->common.what, err);

@@ -33,10 +33,10 @@ album html image task base
 grid base os
 spec grid geometry base
 volume simd grid spec geometry task base
-plane base
-cf plane units grid base
+projection base
+cf projection units grid base
 voxel grid base
-grib plane grid base
+grib projection grid base
 units base
 convert units grid image base
 backdrop units grid spec geometry image base

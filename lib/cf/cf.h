@@ -14,7 +14,7 @@
 
 #include "base/base.h"
 #include "grid/grid.h"
-#include "plane/plane.h"
+#include "projection/projection.h"
 
 #define CF_TEXT 128    /* bytes of a name or text attribute; longer ones are cut */
 #define CF_AXES_MAX 16 /* including axes with one element */
@@ -42,13 +42,13 @@ struct cf_axis {
     size_t n;
     double *at; /* as in the file; NULL if there is no coordinate variable */
     char name[CF_TEXT], units[CF_TEXT];
-    bool pressure; /* its units are those of pressure */
-    bool rotated;  /* of a rotated sphere, by their standard name */
-    bool member;   /* counts members of an ensemble, by its standard name */
-    bool made;     /* not in the file: the one level of a field of x and y */
+    bool pressure;  /* its units are those of pressure */
+    bool rotated;   /* of a rotated sphere, by their standard name */
+    bool member;    /* counts members of an ensemble, by its standard name */
+    bool made;      /* not in the file: the one level of a field of x and y */
     bool staggered; /* its nodes are the middles between those of the file */
-    bool chosen;   /* one element of it was chosen: pick */
-    bool over;     /* or all of them: members */
+    bool chosen;    /* one element of it was chosen: pick */
+    bool over;      /* or all of them: members */
     size_t pick;
     int dim;    /* netcdf's id of the dimension */
     int in, id; /* group and variable of the coordinates, if `at` */
@@ -70,8 +70,8 @@ struct cf_field {
     struct cf_axis axis[CF_AXES_MAX]; /* in file order */
     struct cf_packing packing;
     char name[CF_TEXT], units[CF_TEXT], long_name[CF_TEXT];
-    bool difference;        /* of temperatures: units_metadata says so */
-    char plane[PLANE_TEXT]; /* of x and y, if it is known; "" */
+    bool difference;             /* of temperatures: units_metadata says so */
+    char plane[PROJECTION_TEXT]; /* of x and y, if it is known; "" */
     char plane_fault[ERR_BYTES]; /* why it is not, if the file states one */
 };
 
@@ -127,7 +127,7 @@ struct cf_heights {
         CF_HEIGHTS_HYBRID,
         CF_HEIGHTS_OROGRAPHY,
         CF_HEIGHTS_OCEAN, /* levels that follow the bottom of the sea */
-        CF_HEIGHTS_SEA /* a is the pressure in the sea, in Pa */
+        CF_HEIGHTS_SEA    /* a is the pressure in the sea, in Pa */
     } kind;
     struct cf_field geopotential, base; /* base: to be added, if it has axes */
     double metres;                      /* of a unit of the geopotential */

@@ -55,8 +55,8 @@ bool cf_numbers(
     struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES]);
 /* Reads a variable at one time, as a layer of g. Its dimensions are those of the field, without
  * z. */
-bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h, size_t time,
-    size_t member, const struct grid *g, double *layer, char err[ERR_BYTES]);
+bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h,
+    size_t time, size_t member, const struct grid *g, double *layer, char err[ERR_BYTES]);
 /* True if the levels follow the bottom of the sea, by a formula. (ocean.c) */
 bool cf_is_ocean(struct cf_file *c, const struct cf_axis *z);
 /* Finds the terms of that formula. NULL with a message in err if one cannot be used. The caller
@@ -107,7 +107,7 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f);
 /* Takes the middles of staggered axes. (wrf.c) */
 void cf_wrf_center(struct cf_field *f);
 /* Writes the plane of the file's global attributes, if they state one. */
-void cf_wrf_plane(struct cf_file *c, char text[PLANE_TEXT]);
+void cf_wrf_plane(struct cf_file *c, char text[PROJECTION_TEXT]);
 /* Reads the times of a dimension that has no coordinates from XTIME or Times. */
 void cf_wrf_times(struct cf_file *c, int group, struct cf_axis *a);
 /* Adds and takes away whole circles, so that longitudes that cross the end of their range, such as

@@ -1,6 +1,6 @@
 /*
- * curvilinear: coordinates of x and y from the longitude and latitude of each node, where these make
- * a rectilinear grid: on the plane that the file states, or in degrees.
+ * curvilinear: coordinates of x and y from the longitude and latitude of each node, where these
+ * make a rectilinear grid: on the plane that the file states, or in degrees.
  */
 #include "cf/cf_int.h"
 
@@ -96,7 +96,8 @@ static bool read_places(struct cf_file *c, const struct cf_field *f, struct plac
         for (int i = 0; i < n; i++) count[i] = i == n - 2 ? ny : i == n - 1 ? nx : 1;
         cf_packing(c, f->group, p->id[k], &packing);
         p->at[k] = xcalloc(ny * nx, sizeof *p->at[k]);
-        if (!cf_did(c, nc_get_vara_double(f->group, p->id[k], start, count, p->at[k]))) return false;
+        if (!cf_did(c, nc_get_vara_double(f->group, p->id[k], start, count, p->at[k])))
+            return false;
         for (size_t i = 0; i < ny * nx; i++) p->at[k][i] = cf_unpack(&packing, p->at[k][i]);
     }
     return true;
@@ -115,14 +116,14 @@ static bool place(const struct cf_field *f, struct places *p, char err[ERR_BYTES
         }
         return true;
     }
-    struct plane *plane = plane_open(f->plane, err);
+    struct projection *plane = projection_open(f->plane, err);
     for (size_t i = 0; plane && i < nodes; i++) {
         if (i / nx % p->skip[0] && i % nx % p->skip[1]) continue;
         double to[2];
-        if (!plane_place(plane, p->at[0][i], p->at[1][i], to)) to[0] = to[1] = (double)NAN;
+        if (!projection_place(plane, p->at[0][i], p->at[1][i], to)) to[0] = to[1] = (double)NAN;
         p->at[0][i] = to[0], p->at[1][i] = to[1];
     }
-    plane_close(plane);
+    projection_close(plane);
     return plane != NULL;
 }
 
@@ -190,7 +191,8 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
                 x = y = NULL;
             } else if (*f->plane)
                 err_set(f->plane_fault,
-                    "%.30s and %.30s leave a rectilinear grid on the plane of the file by %.2g steps",
+                    "%.30s and %.30s leave a rectilinear grid on the plane of the file by %.2g "
+                    "steps",
                     p.name[0], p.name[1], off);
             else
                 err_set(f->plane_fault,

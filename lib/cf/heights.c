@@ -11,7 +11,7 @@
 #include <strings.h>
 
 #define WRF_GRAVITY 9.81
-#define P0 1e5          /* Pa, of files whose P0 is a name without a variable */
+#define P0 1e5 /* Pa, of files whose P0 is a name without a variable */
 
 /* ---- geopotential --------------------------------------------------------------------------- */
 
@@ -129,7 +129,8 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     }
     if (n->ptop[0]) {
         if (!cf_numbers(c, z->in, n->ptop, 1, &ptop, err)) return false;
-        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR && !cf_to_pascals(c, z->in, id, &ptop, err))
+        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR &&
+            !cf_to_pascals(c, z->in, id, &ptop, err))
             return false;
     }
     h->a = xcalloc(z->n, sizeof *h->a);
@@ -181,7 +182,9 @@ bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
         return err_set(err, "the levels need %.60s of the surface, which is not there", surface);
     h->kind = n.ps[0] ? CF_HEIGHTS_HYBRID : CF_HEIGHTS_OROGRAPHY;
     if (n.ps[0]) n.orog[0] = '\0';
-    if (!(n.ps[0] ? cf_to_pascals : cf_to_metres)(c, h->surface.group, h->surface.id, &h->surface.unit, err)) return false;
+    if (!(n.ps[0] ? cf_to_pascals : cf_to_metres)(
+            c, h->surface.group, h->surface.id, &h->surface.unit, err))
+        return false;
     return find_coefficients(c, z, &n, h, err);
 }
 
@@ -205,8 +208,7 @@ bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct
         const size_t nodes = layer * g->n[2];
         struct grid base = *g;
         base.value = h->base.n_axes ? xcalloc(nodes, sizeof *base.value) : NULL;
-        const bool good =
-            !base.value || cf_values(c, &h->base, time, member, &base, err);
+        const bool good = !base.value || cf_values(c, &h->base, time, member, &base, err);
         for (size_t i = 0; i < nodes; i++) {
             const double more = base.value ? (double)base.value[i] : 0;
             g->value[i] = (float)(((double)g->value[i] + more) * h->metres);
@@ -216,7 +218,8 @@ bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct
     }
     if (h->kind == CF_HEIGHTS_OCEAN) return cf_ocean_values(c, f, h->ocean, time, member, g, err);
     double *ps = xcalloc(layer, sizeof *ps);
-    bool good = h->kind == CF_HEIGHTS_SEA || cf_layer_read(c, f, &h->surface, time, member, g, ps, err);
+    bool good =
+        h->kind == CF_HEIGHTS_SEA || cf_layer_read(c, f, &h->surface, time, member, g, ps, err);
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
     bool turned = z->n > 1 && (z->at[1] < z->at[0]) != z->down;
     for (size_t k = 0; good && k < z->n; k++) {

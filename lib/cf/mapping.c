@@ -18,8 +18,7 @@ static const struct mapping {
 } mappings[] = {{"lambert_conformal_conic", "lcc", {"lat_1", "lat_2"}, true, true},
     {"albers_conical_equal_area", "aea", {"lat_1", "lat_2"}, true, true},
     {"polar_stereographic", "stere", {"lat_ts"}, true, false},
-    {"stereographic", "stere", {NULL}, true, false},
-    {"mercator", "merc", {"lat_ts"}, false, false},
+    {"stereographic", "stere", {NULL}, true, false}, {"mercator", "merc", {"lat_ts"}, false, false},
     {"transverse_mercator", "tmerc", {NULL}, true, false},
     {"oblique_mercator", "omerc", {NULL}, true, false},
     {"lambert_azimuthal_equal_area", "laea", {NULL}, true, false},
@@ -56,15 +55,16 @@ static bool real(const struct place *at, const char *name, double *out)
 }
 
 /* Appends an attribute as a key. */
-static bool add(const struct place *at, const char *name, const char *key, char text[PLANE_TEXT])
+static bool add(
+    const struct place *at, const char *name, const char *key, char text[PROJECTION_TEXT])
 {
     double v;
     if (!real(at, name, &v)) return false;
-    plane_add(text, key, v);
+    projection_add(text, key, v);
     return true;
 }
 
-static void add_earth(const struct place *at, char text[PLANE_TEXT])
+static void add_earth(const struct place *at, char text[PROJECTION_TEXT])
 {
     double a = EARTH_M, b, flattening = 0;
     char name[CF_TEXT];
@@ -75,15 +75,18 @@ static void add_earth(const struct place *at, char text[PLANE_TEXT])
         if (real(at, "inverse_flattening", &flattening) && flattening > 1) b = a - a / flattening;
         else if (real(at, "semi_minor_axis", &b) && b < 1e4) b *= 1000;
         if (flattening > 1) {
-            plane_add(text, "a", a);
-            plane_add(text, "rf", flattening);
-        } else plane_earth(text, a, b);
+            projection_add(text, "a", a);
+            projection_add(text, "rf", flattening);
+        } else projection_earth(text, a, b);
         return;
     }
-    if (real(at, "earth_radius", &a)) plane_earth(text, a < 1e4 ? 1000 * a : a, a < 1e4 ? 1000 * a : a);
-    else if (text_has(name, "wgs")) plane_add(text, "a", 6378137), plane_add(text, "rf", 298.257223563);
-    else if (text_has(name, "grs")) plane_add(text, "a", 6378137), plane_add(text, "rf", 298.257222101);
-    else plane_earth(text, EARTH_M, EARTH_M);
+    if (real(at, "earth_radius", &a))
+        projection_earth(text, a < 1e4 ? 1000 * a : a, a < 1e4 ? 1000 * a : a);
+    else if (text_has(name, "wgs"))
+        projection_add(text, "a", 6378137), projection_add(text, "rf", 298.257223563);
+    else if (text_has(name, "grs"))
+        projection_add(text, "a", 6378137), projection_add(text, "rf", 298.257222101);
+    else projection_earth(text, EARTH_M, EARTH_M);
 }
 
 /* ---- the plane ------------------------------------------------------------------------------- */
@@ -93,7 +96,7 @@ static bool lacks(const char *mapping, const char *what, char err[ERR_BYTES])
     return err_set(err, "its grid mapping %.40s has no number %.60s", mapping, what);
 }
 
-static bool rotated(const struct place *at, char text[PLANE_TEXT], char err[ERR_BYTES])
+static bool rotated(const struct place *at, char text[PROJECTION_TEXT], char err[ERR_BYTES])
 {
     double lat, lon, turned = 0;
     if (!real(at, "grid_north_pole_latitude", &lat))
@@ -101,37 +104,37 @@ static bool rotated(const struct place *at, char text[PLANE_TEXT], char err[ERR_
     if (!real(at, "grid_north_pole_longitude", &lon))
         return lacks("rotated_latitude_longitude", "grid_north_pole_longitude", err);
     real(at, "north_pole_grid_longitude", &turned);
-    plane_rotated(text, lat, lon, turned);
+    projection_rotated(text, lat, lon, turned);
     return true;
 }
 
 /* Writes the string of one of the table. metres: in a unit of the coordinates, and of their false
  * origin. */
 static bool compose(const struct place *at, const struct mapping *m, double metres,
-    char text[PLANE_TEXT], char err[ERR_BYTES])
+    char text[PROJECTION_TEXT], char err[ERR_BYTES])
 {
     static const char *const lons[] = {"longitude_of_projection_origin",
         "longitude_of_central_meridian", "straight_vertical_longitude_from_pole"};
     double parallel[2], v;
     bool lon = false;
-    snprintf(text, PLANE_TEXT, "+proj=%s", m->proj);
-    size_t n = m->parallel[0]
-                   ? cf_reals(at->c, at->group, at->id, "standard_parallel", parallel)
-                   : 0;
+    snprintf(text, PROJECTION_TEXT, "+proj=%s", m->proj);
+    size_t n =
+        m->parallel[0] ? cf_reals(at->c, at->group, at->id, "standard_parallel", parallel) : 0;
     if (n == 1) parallel[1] = parallel[0];
     for (size_t i = 0; n && i < 2 && m->parallel[i]; i++)
-        plane_add(text, m->parallel[i], parallel[i]);
+        projection_add(text, m->parallel[i], parallel[i]);
     if (!n && m->needs_parallel) return lacks(m->name, "standard_parallel", err);
     if (m->needs_lat && !add(at, "latitude_of_projection_origin", "lat_0", text))
         return lacks(m->name, "latitude_of_projection_origin", err);
     const char *key = strcmp(m->proj, "omerc") == 0 ? "lonc" : "lon_0";
-    for (size_t i = 0; !lon && i < sizeof lons / sizeof *lons; i++) lon = add(at, lons[i], key, text);
+    for (size_t i = 0; !lon && i < sizeof lons / sizeof *lons; i++)
+        lon = add(at, lons[i], key, text);
     if (!lon) return lacks(m->name, lons[0], err);
     add(at, "azimuth_of_central_line", "alpha", text);
     if (!n && !add(at, "scale_factor_at_projection_origin", "k_0", text))
         add(at, "scale_factor_at_central_meridian", "k_0", text);
-    if (real(at, "false_easting", &v) && fabs(v) > 0) plane_add(text, "x_0", v * metres);
-    if (real(at, "false_northing", &v) && fabs(v) > 0) plane_add(text, "y_0", v * metres);
+    if (real(at, "false_easting", &v) && fabs(v) > 0) projection_add(text, "x_0", v * metres);
+    if (real(at, "false_northing", &v) && fabs(v) > 0) projection_add(text, "y_0", v * metres);
     add_earth(at, text);
     return true;
 }
@@ -161,7 +164,8 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
     char *words = cf_whole_text(c, f->group, f->id, "grid_mapping"), *rest = words, *word;
     double metres = 1;
     for (int i = 0; i < f->n_axes; i++) {
-        const double in = f->axis[i].at && f->axis[i].kind == CF_X ? metres_in(f->axis[i].units) : 0;
+        const double in =
+            f->axis[i].at && f->axis[i].kind == CF_X ? metres_in(f->axis[i].units) : 0;
         if (in > 0) metres = in;
     }
     while (!*f->plane && (word = text_part(&rest, ' ')) != NULL) {
@@ -185,7 +189,7 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
 
 void cf_mapping_use(struct cf_field *f)
 {
-    struct plane *p;
+    struct projection *p;
     char err[ERR_BYTES];
     const bool rotated = strstr(f->plane, "+o_proj") != NULL;
     bool fits = *f->plane;
@@ -194,11 +198,11 @@ void cf_mapping_use(struct cf_field *f)
         if (a->kind > CF_Y) continue;
         fits = rotated ? strncmp(a->units, "degree", 6) == 0 : metres_in(a->units) > 0;
     }
-    if (fits && plane_possible()) {
-        p = plane_open(f->plane, err);
+    if (fits && projection_possible()) {
+        p = projection_open(f->plane, err);
         if (!p) err_set(f->plane_fault, "%s", err);
         fits = p != NULL;
-        plane_close(p);
+        projection_close(p);
     }
     if (!fits) *f->plane = '\0';
     for (int i = 0; fits && i < f->n_axes; i++) {

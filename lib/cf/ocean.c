@@ -36,8 +36,8 @@ static double sigma(const struct cf_ocean *o, size_t k, double eta, double depth
 static double s_first(const struct cf_ocean *o, size_t k, double eta, double depth)
 {
     const double s = o->level[S][k], a = o->single[A], b = o->single[B], dc = o->single[DEPTH_C];
-    const double c = (1 - b) * sinh(a * s) / sinh(a) +
-                     b * (tanh(a * (s + .5)) / (2 * tanh(.5 * a)) - .5);
+    const double c =
+        (1 - b) * sinh(a * s) / sinh(a) + b * (tanh(a * (s + .5)) / (2 * tanh(.5 * a)) - .5);
     return eta * (1 + s) + dc * s + (depth - dc) * c;
 }
 
@@ -92,8 +92,7 @@ static bool named(const char *terms, const char *what, bool needed, char name[CF
     bool found = cf_term(terms, what, name);
     if (!found && strcmp(what, "s") == 0) found = cf_term(terms, "sigma", name);
     if (!needed) name[0] = '\0';
-    return found || !needed ||
-           err_set(err, "the formula_terms of %.60s lack %.20s", z->name, what);
+    return found || !needed || err_set(err, "the formula_terms of %.60s lack %.20s", z->name, what);
 }
 
 static bool find_columns(struct cf_file *c, const struct cf_field *f, const char *terms,
@@ -117,7 +116,8 @@ static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char 
 {
     char name[CF_TEXT];
     for (int i = 0; i < PER_LEVEL; i++) {
-        if (!named(terms, level_terms[i], forms[o->form].levels >> i & 1, name, z, err)) return false;
+        if (!named(terms, level_terms[i], forms[o->form].levels >> i & 1, name, z, err))
+            return false;
         if (!*name) continue;
         o->level[i] = xcalloc(z->n, sizeof *o->level[i]);
         if (!cf_numbers(c, z->in, name, z->n, o->level[i], err)) return false;

@@ -94,8 +94,8 @@ bool cf_numbers(
 
 /* ---- layers ---------------------------------------------------------------------------------- */
 
-bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h, size_t time,
-    size_t member, const struct grid *g, double *layer, char err[ERR_BYTES])
+bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h,
+    size_t time, size_t member, const struct grid *g, double *layer, char err[ERR_BYTES])
 {
     int dims = 0, dim[NC_MAX_VAR_DIMS];
     char name[NC_MAX_NAME + 1], what[NC_MAX_NAME + 1] = "";
@@ -146,4 +146,3 @@ bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_
     free(values);
     return cf_look(c, err);
 }
-

@@ -41,7 +41,7 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
 struct way {
     size_t start[CF_AXES_MAX], count[CF_AXES_MAX]; /* of a slab: one node of the outermost axis */
     int outermost;
-    size_t n[3], more[3]; /* more: 1 if the axis is staggered */
+    size_t n[3], more[3];      /* more: 1 if the axis is staggered */
     ptrdiff_t step[3], origin; /* in the grid */
 };
 

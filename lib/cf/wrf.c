@@ -1,7 +1,7 @@
 /*
- * wrf: what files of the model WRF have instead of the conventions: staggered dimensions, a plane in
- * global attributes, and times as texts. W.C. Skamarock and others, "A Description of the Advanced
- * Research WRF Model Version 4", NCAR/TN-556+STR, 2019.
+ * wrf: what files of the model WRF have instead of the conventions: staggered dimensions, a plane
+ * in global attributes, and times as texts. W.C. Skamarock and others, "A Description of the
+ * Advanced Research WRF Model Version 4", NCAR/TN-556+STR, 2019.
  */
 #include "cf/cf_int.h"
 
@@ -31,31 +31,31 @@ static double number(struct cf_file *c, const char *name)
     return cf_reals(c, c->root, NC_GLOBAL, name, both) ? both[0] : (double)NAN;
 }
 
-void cf_wrf_plane(struct cf_file *c, char text[PLANE_TEXT])
+void cf_wrf_plane(struct cf_file *c, char text[PROJECTION_TEXT])
 {
     const double kind = number(c, "MAP_PROJ"), middle = number(c, "CEN_LAT");
     const double first = number(c, "TRUELAT1"), second = number(c, "TRUELAT2");
     const double pole = number(c, "POLE_LAT"), stand = number(c, "STAND_LON");
     if (kind == 1) {
-        snprintf(text, PLANE_TEXT, "+proj=lcc");
-        plane_add(text, "lat_1", first);
-        plane_add(text, "lat_2", fabs(second) <= 90 ? second : first);
-        plane_add(text, "lat_0", isfinite(middle) ? middle : first);
-        plane_add(text, "lon_0", stand);
+        snprintf(text, PROJECTION_TEXT, "+proj=lcc");
+        projection_add(text, "lat_1", first);
+        projection_add(text, "lat_2", fabs(second) <= 90 ? second : first);
+        projection_add(text, "lat_0", isfinite(middle) ? middle : first);
+        projection_add(text, "lon_0", stand);
     } else if (kind == 2) {
-        snprintf(text, PLANE_TEXT, "+proj=stere");
-        plane_add(text, "lat_0", first < 0 ? -90 : 90);
-        plane_add(text, "lat_ts", first);
-        plane_add(text, "lon_0", stand);
+        snprintf(text, PROJECTION_TEXT, "+proj=stere");
+        projection_add(text, "lat_0", first < 0 ? -90 : 90);
+        projection_add(text, "lat_ts", first);
+        projection_add(text, "lon_0", stand);
     } else if (kind == 3) {
-        snprintf(text, PLANE_TEXT, "+proj=merc");
-        plane_add(text, "lat_ts", first);
-        plane_add(text, "lon_0", number(c, "CEN_LON"));
+        snprintf(text, PROJECTION_TEXT, "+proj=merc");
+        projection_add(text, "lat_ts", first);
+        projection_add(text, "lon_0", number(c, "CEN_LON"));
     } else if (kind == 6 && fabs(pole) < 90) {
-        plane_rotated(text, pole, 180 - stand, number(c, "POLE_LON"));
+        projection_rotated(text, pole, 180 - stand, number(c, "POLE_LON"));
         return;
     }
-    plane_earth(text, EARTH_M, EARTH_M); /* of none of them, the text stays empty */
+    projection_earth(text, EARTH_M, EARTH_M); /* of none of them, the text stays empty */
 }
 
 /* ---- times ----------------------------------------------------------------------------------- */

@@ -183,7 +183,7 @@ static void add_plane(const struct run *r, struct buf *title)
 {
     const char *plane = r->c->plane;
     if (!*plane) return;
-    if (buf_size(title) + strlen("; proj ") + strlen(plane) < GRID_TITLE)
+    if (buf_size(title) + strlen("; proj ") + strlen(plane) < GRID_TITLE - 1)
         buf_printf(title, "; proj %s", plane);
     else
         warn("%s: %s: the title has no room for '%s', so that maps have no coasts", r->o->file,

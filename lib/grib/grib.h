@@ -16,7 +16,7 @@
 
 #include "base/base.h"
 #include "grid/grid.h"
-#include "plane/plane.h"
+#include "projection/projection.h"
 
 #define GB_TEXT 80 /* bytes of a text key; longer ones are cut */
 
@@ -83,7 +83,7 @@ bool gb_is_projected(const char *kind);
 
 /* Writes PROJ's string of the plane of x and y, or "" if it is not known. */
 bool gb_plane_of(
-    const char *path, const struct gb_stack *s, char text[PLANE_TEXT], char err[ERR_BYTES]);
+    const char *path, const struct gb_stack *s, char text[PROJECTION_TEXT], char err[ERR_BYTES]);
 /* Makes a grid with these axes, ascending, and room for values. The caller frees it. */
 bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[ERR_BYTES]);
 /* Reads the values of one time into g; of the first member. */

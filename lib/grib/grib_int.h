@@ -21,7 +21,7 @@ void gb_close(struct gb_file *in);
 
 /* The plane of a grid, and its first point there. text is empty if the plane is not known. */
 struct gb_plane {
-    char text[PLANE_TEXT];
+    char text[PROJECTION_TEXT];
     double x, y;
 };
 void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p);

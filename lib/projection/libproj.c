@@ -1,21 +1,21 @@
-/* proj: places on planes through libproj (PROJ, OSGeo). */
-#include "plane/plane.h"
+/* libproj: places on planes through libproj (PROJ, OSGeo). */
+#include "projection/projection.h"
 
 #include <proj.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct plane {
+struct projection {
     PJ_CONTEXT *context;
     PJ *transformation;
     bool degrees; /* a rotated sphere */
 };
 
-bool plane_possible(void) { return true; }
+bool projection_possible(void) { return true; }
 
-struct plane *plane_open(const char *text, char err[ERR_BYTES])
+struct projection *projection_open(const char *text, char err[ERR_BYTES])
 {
-    struct plane *p = xcalloc(1, sizeof *p);
+    struct projection *p = xcalloc(1, sizeof *p);
     p->context = proj_context_create();
     proj_log_level(p->context, PJ_LOG_NONE);
     p->transformation = proj_create(p->context, text);
@@ -23,11 +23,11 @@ struct plane *plane_open(const char *text, char err[ERR_BYTES])
     if (p->transformation) return p;
     const int code = proj_context_errno(p->context);
     err_set(err, "PROJ refuses '%s': %s", text, proj_context_errno_string(p->context, code));
-    plane_close(p);
+    projection_close(p);
     return NULL;
 }
 
-bool plane_place(struct plane *p, double lon_deg, double lat_deg, double at[2])
+bool projection_place(struct projection *p, double lon_deg, double lat_deg, double at[2])
 {
     const PJ_COORD from = proj_coord(proj_torad(lon_deg), proj_torad(lat_deg), 0, 0);
     proj_errno_reset(p->transformation);
@@ -37,7 +37,7 @@ bool plane_place(struct plane *p, double lon_deg, double lat_deg, double at[2])
     return isfinite(at[0]) && isfinite(at[1]);
 }
 
-void plane_close(struct plane *p)
+void projection_close(struct projection *p)
 {
     if (!p) return;
     proj_destroy(p->transformation);

@@ -1,0 +1,18 @@
+/* none: takes the place of libproj where libproj is missing. */
+#include "projection/projection.h"
+
+bool projection_possible(void) { return false; }
+
+struct projection *projection_open(const char *text, char err[ERR_BYTES])
+{
+    err_set(err, "built without libproj-dev, expected no places on '%s'", text);
+    return NULL;
+}
+
+bool projection_place(struct projection *p, double lon_deg, double lat_deg, double at[2])
+{
+    (void)p, (void)lon_deg, (void)lat_deg, (void)at;
+    return false;
+}
+
+void projection_close(struct projection *p) { (void)p; }
