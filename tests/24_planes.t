@@ -9,16 +9,16 @@ converter=nc2vtk
 samples=/usr/share/eccodes/samples
 make_nc() { printf 'netcdf a {\ndimensions: %s\nvariables: %s\ndata: %s\n}\n' "$2" "$3" "$4" >"$1.cdl" && ncgen -o "$1.nc" "$1.cdl"; }
 plane() { sed -n '2s/.*; proj //p' a.vtk; }
-# on_plane LONLATS: their places, a line each. A rotated sphere has degrees.
+# on_plane: the places of longitudes and latitudes, a line each. A rotated sphere has degrees.
 on_plane() {
 	case $(plane) in *o_proj*) turn='-m 57.29577951308232' ;; *) turn='' ;; esac
 	# shellcheck disable=SC2046,SC2086  # a word each
-	cat "$1" | proj -f %.6f $turn $(plane)
+	proj -f %.6f $turn $(plane)
 }
 # lies STEP [WANT]: lines of "LON LAT N" in the file places, or of "X Y N" in want: the node with value N is there, to 1e-4
 # of a step
 lies() {
-	[ -n "${2-}" ] || on_plane places >want # proj passes on what follows a place
+	[ -n "${2-}" ] || on_plane <places >want # proj passes on what follows a place
 	{ echo X; coordinates X a.vtk; echo Y; coordinates Y a.vtk; echo V; values a.vtk; } | awk -v step="$1" '
 		FNR == NR { x[$3 + 0] = $1; y[$3 + 0] = $2; n++; next }
 		/[XYV]/ { on = $1; next }
@@ -94,15 +94,15 @@ make_nc rotated 'rlon = 2; rlat = 2; z = 2;' 'double rlon(rlon); rlon:standard_n
 nc2vtk rotated.nc s >a.vtk
 is 'a rotated pole' "$(plane)" '+proj=ob_tran +o_proj=longlat +o_lat_p=39.25 +o_lon_p=0 +lon_0=18'
 echo 10 50 >places
-is 'and where it has a place' "$(on_plane places | awk '{ printf "%.4f %.4f", $1, $2 }')" '-5.1326 -0.4724'
+is 'and where it has a place' "$(on_plane <places | awk '{ printf "%.4f %.4f", $1, $2 }')" '-5.1326 -0.4724'
 
 # ---- longitude and latitude of each node ------------------------------------------------------------------------------
 # inverse PLANE STEP: 3x3 places around 0 on a plane: XLONG and XLAT, as text of CDL
 inverse() {
-	for y in -1 0 1; do for x in -1 0 1; do echo $((x * $2)) $((y * $2)); done; done | proj -I -f %.7f $1 >lonlat
+	for y in -1 0 1; do for x in -1 0 1; do echo $((x * $2)) $((y * $2)); done; done | eval "proj -I -f %.7f $1" >lonlat
 	echo "XLONG = $(cut -f 1 lonlat | paste -sd,); XLAT = $(cut -f 2 lonlat | paste -sd,);"
 }
-# each COUNT TEXT: the text so many times, for lists
+# each COUNT TEXT: repeats the text, for lists
 each() { yes "$2" | head -n "$1" | paste -sd,; }
 wrf_of() { # NAME ATTRIBUTES PLANE: writes NAME.nc
 	make_nc "$1" 'Time = 2; DateStrLen = 19; west_east = 3; south_north = 3; bottom_top = 2; bottom_top_stag = 3; west_east_stag = 4; south_north_stag = 4;' \
@@ -116,7 +116,7 @@ wrf_of() { # NAME ATTRIBUTES PLANE: writes NAME.nc
 		PH = $(each 9 0), $(each 9 981), $(each 9 1962); PHB = $(each 9 0), $(each 9 981), $(each 9 3924); HGT = $(seq -s, 9);"
 }
 about() { plane; for axis in X Y; do coordinates $axis a.vtk | awk '{ printf "%.0f ", $1 / 10 }'; done; }
-lambert=':MAP_PROJ = 1; :TRUELAT1 = 30.f; :TRUELAT2 = 60.f; :STAND_LON = 10.f; :MOAD_CEN_LAT = 48.f; :CEN_LAT = 50.f; :CEN_LON = 11.f;'
+lambert=':MAP_PROJ = 1; :TRUELAT1 = 30.f; :TRUELAT2 = 60.f; :STAND_LON = 10.f; :MOAD_CEN_LAT = 50.f; :CEN_LAT = 48.f; :CEN_LON = 11.f;'
 wrf_of wrf "$lambert" '+proj=lcc +lat_1=30 +lat_2=60 +lat_0=50 +lon_0=10 +R=6370000'
 is 'WRF: values' "$(got wrf.nc T)" "$(seq -s' ' 18)"
 is 'WRF: a Lambert plane' "$(about)" '+proj=lcc +lat_1=30 +lat_2=60 +lat_0=50 +lon_0=10 +R=6370000
@@ -197,13 +197,14 @@ projected 'Lambert, two parallels, a sphere of its own' 2500 '+proj=lcc +lat_1=3
 projected 'Lambert, on WGS 84' 2500 "$lcc +a=6378137 +b=6356752.314" "$lambert set shapeOfTheEarth=5; set jScansPositively=1;"
 # ecCodes 2.28 has the first point of these planes in the south-west, whatever the scanning mode; it is that of the first value.
 for signs in '1 -1' '-1 1' '-1 -1'; do
+	# shellcheck disable=SC2086  # two words
 	set -- $signs
 	grib_filter -o p.grib - "$samples/GRIB2.tmpl" <<-END
 		$lambert set shapeOfTheEarth=6; set iScansNegatively=$(($1 < 0)); set jScansPositively=$(($2 > 0));
 		set packingType="grid_ieee"; set values={1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20}; write;
 	END
 	grib2vtk p.grib "$(grib_get -p shortName p.grib)" >a.vtk
-	echo 350 42 | on_plane - | awk -v sx="$1" -v sy="$2" '{
+	echo 350 42 | on_plane | awk -v sx="$1" -v sy="$2" '{
 		for (n = 0; n < 20; n++) printf "%.6f %.6f %d\n", $1 + sx * 2500 * (n % 5), $2 + sy * 2500 * int(n / 5), n + 1 }' >want
 	ok "Lambert, scanned by $signs: each node" lies 2500 want
 done
@@ -224,4 +225,10 @@ grib_get_data -L '%.9f %.9f' p.grib | awk '$3 + 0 == $3 { print $2, $1, $3 }' >p
 grib2vtk -r -180 p.grib "$(grib_get -p shortName p.grib)" >a.vtk
 is 'a rotated pole: the plane' "$(plane)" '+proj=ob_tran +o_proj=longlat +o_lat_p=40 +o_lon_p=0 +lon_0=10'
 ok 'a rotated pole: each node' lies 1
+grib_set -s angleOfRotation=20 p.grib t.grib
+grib2vtk t.grib "$(grib_get -p shortName t.grib)" >a.vtk
+is 'a rotated pole that is turned about itself: no plane is known' "$(plane)" ''
+projected 'edition 1, Lambert' 32463 '+proj=lcc +lat_1=50 +lat_2=50 +lat_0=50 +lon_0=253 +R=6367470' 'set dataRepresentationType=3; set Nx=5; set Ny=4;
+	set latitudeOfFirstGridPointInDegrees=1; set longitudeOfFirstGridPointInDegrees=214.5; set LoVInDegrees=253; set DxInMetres=32463; set DyInMetres=32463;
+	set Latin1InDegrees=50; set Latin2InDegrees=50; set jScansPositively=1;' GRIB1
 finish

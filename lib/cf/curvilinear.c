@@ -9,6 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
+#define NODES_MOST (1 << 26)
 #define SAMPLES 64 /* rows, and columns, that are looked at, or up to twice as many */
 #define SLACK .01  /* of a step: single precision moves places by metres */
 
@@ -146,7 +147,7 @@ static double means(const struct places *p, int axis, double *at)
     return least > 0 ? off / least : (double)INFINITY;
 }
 
-/* Makes steps that are even, but for the precision of the file, exactly so. */
+/* Steps that are even to the precision of the file become exactly even. */
 static void even(double *at, size_t n)
 {
     const double mid = (double)(n - 1) / 2;
@@ -176,6 +177,10 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
     struct places p;
     char err[ERR_BYTES];
     if (!find(c, f, &p)) return;
+    if (p.of[0]->n > NODES_MOST / p.of[1]->n) {
+        err_set(f->plane_fault, "%.30s has more than %d places", p.name[0], NODES_MOST);
+        return;
+    }
     if (!*f->plane) cf_wrf_plane(c, f->plane);
     const size_t ny = p.of[0]->n, nx = p.of[1]->n;
     p.skip[0] = 1 + ny / (2 * SAMPLES), p.skip[1] = 1 + nx / (2 * SAMPLES);

@@ -33,7 +33,8 @@ static double number(struct cf_file *c, const char *name)
 
 void cf_wrf_plane(struct cf_file *c, char text[PROJECTION_TEXT])
 {
-    const double kind = number(c, "MAP_PROJ"), middle = number(c, "CEN_LAT");
+    const double kind = number(c, "MAP_PROJ"),
+                 middle = number(c, "MOAD_CEN_LAT"); /* of all nests */
     const double first = number(c, "TRUELAT1"), second = number(c, "TRUELAT2");
     const double pole = number(c, "POLE_LAT"), stand = number(c, "STAND_LON");
     if (kind == 1) {

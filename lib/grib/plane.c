@@ -21,7 +21,7 @@ static void add_earth(const codes_handle *h, char text[PROJECTION_TEXT])
             text, gb_real(h, "earthMajorAxisInMetres"), gb_real(h, "earthMinorAxisInMetres"));
 }
 
-/* The conics differ in their name. LaD is no latitude of edition 1. */
+/* The conics differ in their names. */
 static void conic(const codes_handle *h, char text[PROJECTION_TEXT])
 {
     add(h, "Latin1InDegrees", "lat_1", text);
@@ -44,7 +44,9 @@ static void mercator(const codes_handle *h, char text[PROJECTION_TEXT])
 {
     const double degree = 3.14159265358979323846 / 180, lad = gb_real(h, "LaDInDegrees");
     const double length = (double)(gb_long(h, "Ni") - 1) * gb_real(h, "DiInMetres");
-    const double half = length / 2 / gb_real(h, "radius") / cos(lad * degree) / degree;
+    double radius = gb_real(h, "radius");
+    if (gb_long(h, "earthIsOblate")) radius = gb_real(h, "earthMajorAxisInMetres");
+    const double half = length / 2 / radius / cos(lad * degree) / degree;
     const double first = gb_real(h, "longitudeOfFirstGridPointInDegrees");
     projection_add(text, "lat_ts", lad);
     projection_add(text, "lon_0", rint(first + (gb_long(h, "iScansNegatively") ? -half : half)));
@@ -63,8 +65,8 @@ void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p)
     if (strcmp(kind, "rotated_ll") == 0) {
         const double lat = gb_real(h, "latitudeOfSouthernPoleInDegrees");
         const double lon = gb_real(h, "longitudeOfSouthernPoleInDegrees");
-        const double turned = gb_real(h, "angleOfRotationInDegrees");
-        projection_rotated(p->text, -lat, lon + 180, isfinite(turned) ? -turned : 0);
+        if (gb_real(h, "angleOfRotationInDegrees") == 0)
+            projection_rotated(p->text, -lat, lon + 180, 0);
         return;
     }
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
