@@ -139,6 +139,8 @@ is 'WRF: a Mercator plane that crosses 180' "$(got mercator.nc T >/dev/null; abo
 sed 's/:MAP_PROJ = 3/:MAP_PROJ = 6/; s/:STAND_LON/:POLE_LAT = 90.f; :POLE_LON = 0.f; &/' mercator.cdl | ncgen -o degrees.nc
 is 'WRF: degrees that cross 180' "$(got degrees.nc T >/dev/null; plane; coordinates X a.vtk | awk '{ printf "%.3f ", $1 }')" '179.914 180.000 180.086 '
 sed 's/:TRUELAT2 = 60.f/:TRUELAT2 = 50.f/' wrf.cdl | sed 's/XLONG = 9[0-9.]*/XLONG = 9.9/' | ncgen -o off.nc
+sed "s/XLONG = [^;]*/&, $(each 9 11)/" wrf.cdl | ncgen -o nest.nc
+refused nest.nc T 'a curvilinear grid: XLONG and XLAT change with time, expected coordinates along each axis, as cdo'
 refused off.nc T 'a curvilinear grid: XLONG and XLAT leave a rectilinear grid on the plane of the file by [0-9.e+]* steps, expected coordinates along each axis, as cdo'
 
 # ---- levels that follow the bottom of the sea ---------------------------------------------------------------------------

@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #define NODES_MOST (1 << 26)
+#define MOVED_DEG 1e-4
 #define SAMPLES 64 /* rows, and columns, that are looked at, or up to twice as many */
 #define SLACK .01  /* of a step: single precision moves places by metres */
 
@@ -104,6 +105,24 @@ static bool read_places(struct cf_file *c, const struct cf_field *f, struct plac
     return true;
 }
 
+/* True if a place is another one at the last time, as in a nest that follows a storm. */
+static bool move(struct cf_file *c, const struct cf_field *f, const struct places *p)
+{
+    for (int k = 0; k < 2; k++) {
+        int n, dims[NC_MAX_VAR_DIMS];
+        size_t times = 0;
+        double v;
+        struct cf_packing packing;
+        if (!cf_did(c, nc_inq_var(f->group, p->id[k], NULL, NULL, &n, dims, NULL))) return false;
+        if (n != 3 || nc_inq_dimlen(f->group, dims[0], &times) != NC_NOERR || times < 2) continue;
+        const size_t last[3] = {times - 1, 0, 0};
+        cf_packing(c, f->group, p->id[k], &packing);
+        if (!cf_did(c, nc_get_var1_double(f->group, p->id[k], last, &v))) return false;
+        if (fabs(cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
+    }
+    return false;
+}
+
 /* ---- the grid -------------------------------------------------------------------------------- */
 
 /* Makes places on the plane of longitudes and latitudes; of no plane, continuous longitudes. */
@@ -186,7 +205,9 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
     p.skip[0] = 1 + ny / (2 * SAMPLES), p.skip[1] = 1 + nx / (2 * SAMPLES);
     double *x = xcalloc(nx, sizeof *x), *y = xcalloc(ny, sizeof *y);
     if (read_places(c, f, &p)) {
-        if (!place(f, &p, err)) err_set(f->plane_fault, "%s", err);
+        if (move(c, f, &p))
+            err_set(f->plane_fault, "%.30s and %.30s change with time", p.name[0], p.name[1]);
+        else if (!place(f, &p, err)) err_set(f->plane_fault, "%s", err);
         else {
             const double off = fmax(means(&p, 1, x), means(&p, 0, y));
             if (off <= SLACK) {
