@@ -99,7 +99,7 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f);
 /* Makes x and y metres on the plane; or forgets the plane, if they are no lengths. On a rotated
  * sphere they are degrees. */
 void cf_mapping_use(struct cf_field *f);
-/* Reads an attribute of one or two numbers. Returns their count; 0 if it is none. */
+/* Reads an attribute of one or two numbers. Returns their count; 0 if it is none. (packing.c) */
 size_t cf_reals(struct cf_file *c, int group, int id, const char *name, double out[2]);
 /* Makes x and y of the longitude and latitude of each node, if these are rectilinear. Otherwise
  * plane_fault says why. (curvilinear.c) */

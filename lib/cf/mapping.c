@@ -33,19 +33,6 @@ struct place {
     int group, id;
 };
 
-size_t cf_reals(struct cf_file *c, int group, int id, const char *name, double out[2])
-{
-    size_t n;
-    nc_type type;
-    if (nc_inq_att(group, id, name, &type, &n) != NC_NOERR || n < 1 || n > 2 || type == NC_CHAR ||
-        type >= NC_STRING)
-        return 0;
-    if (!cf_did(c, nc_get_att_double(group, id, name, out))) return 0;
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(out[i])) return 0;
-    return n;
-}
-
 static bool real(const struct place *at, const char *name, double *out)
 {
     double both[2];
