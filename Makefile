@@ -74,8 +74,8 @@ FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
                -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=pointer-overflow
 
 # Five programs need a library each: where it is missing, the others are built, and make says so.
-LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
-LIBS_grib2vtk = -leccodes $(LIBS_units)
+LIBS_nc2vtk   = -lnetcdf $(LIBS_units) $(LIBS_plane)
+LIBS_grib2vtk = -leccodes $(LIBS_units) $(LIBS_plane)
 LIBS_backdrop = $(LIBS_units) $(LIBS_plane)
 LIBS_album = $(LIBS_units)
 LIBS_barbs = $(LIBS_units)
@@ -110,7 +110,7 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk, grib2vtk and barbs convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
-# Without this one, backdrop and stormview draw no coasts on planes of projection.
+# Without this one, nc2vtk and grib2vtk find no places on planes of projection; backdrop and stormview draw no coasts there.
 PROJ    := $(if $(call lacks,proj.h,-),,libproj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
@@ -126,7 +126,7 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
-           lib/plane/$(if $(PROJ),none,libproj).c \
+           lib/projection/$(if $(PROJ),none,libproj).c \
            lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
@@ -175,7 +175,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 	$(if $(UDUNITS),,@echo "make: nc2vtk, grib2vtk and barbs convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
-	$(if $(PROJ),,@echo "make: backdrop and stormview draw no coasts on planes of projection: libproj-dev is missing" >&2)
+	$(if $(PROJ),,@echo "make: planes of projection are not used by nc2vtk and grib2vtk, and have no coasts: libproj-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

@@ -233,7 +233,10 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
 
 static void convert_stack(struct gb_index *x, const struct options *o)
 {
+    char plane[PROJECTION_TEXT], err[ERR_BYTES];
     struct source s = find(x, o);
+    if (!gb_plane_of(o->common.file, &s.part[0], plane, err))
+        die(ST_USAGE, "%s: %s: %s", o->common.file, o->common.what, err);
     struct converter from = {.what = o->common.what,
         .request = &s.request,
         .levels = levels_of(x, &s),
@@ -246,6 +249,7 @@ static void convert_stack(struct gb_index *x, const struct options *o)
         .axes = axes,
         .values = values,
         .heights = heights,
+        .plane = plane,
         .describe = describe};
     const bool geopotential = s.heights.kind == GB_HEIGHTS_GEOPOTENTIAL;
     if (s.heights.kind != GB_HEIGHTS_NONE) from.heights_by = s.heights.field.at->name;

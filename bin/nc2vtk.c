@@ -269,7 +269,11 @@ static void convert_field(struct cf_file *c, const struct options *o)
         .axes = axes,
         .values = values,
         .heights = heights,
+        .plane = s.part[0].plane,
         .describe = describe};
+    if (*s.part[0].plane_fault)
+        warn("%s: %s: %s, so that maps have no coasts", o->common.file, s.request.name,
+            s.part[0].plane_fault);
     const bool geopotential = s.heights.kind == CF_HEIGHTS_GEOPOTENTIAL;
     from.heights_by = geopotential ? s.heights.geopotential.name : z->name;
     from.standard_too = geopotential && z->pressure;

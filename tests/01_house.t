@@ -34,11 +34,12 @@ grid base os
 spec grid geometry base
 layer grid base
 volume simd grid spec geometry task base
-cf units grid base
+projection base
+cf projection units grid base
 voxel grid base
-grib grid base
+grib projection grid base
 units base
-plane base
+plane projection base
 convert units grid image base
 backdrop units plane grid spec geometry image base
 paint backdrop units plane spec grid geometry base os

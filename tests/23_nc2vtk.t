@@ -339,7 +339,7 @@ is 'a height of one element gives a grid of one level, too' "$(got one.nc s):$(o
 make_nc hole "$cube" "$axes $scalar" "x = 1, NaN; y = 3, 4; z = 5, 6; $data"
 refused hole.nc s 'x is -?nan after 1'
 make_nc curved "$cube" "float lon(y, x); float lat(y, x); double z(z); z:axis = \"Z\"; $scalar s:coordinates = \"lon lat\";" "$data"
-refused curved.nc s 'a curvilinear grid: there are no coordinates along y'
+refused curved.nc s 'a curvilinear grid: lon and lat are rectilinear neither in degrees nor on a plane of the file'
 make_nc bare "$cube" "$scalar" "$data"
 refused bare.nc s 'no rectilinear grid: there are no coordinates along z'
 make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"

@@ -198,9 +198,9 @@ if there cdo; then
 	make_nc wrf 'Time = UNLIMITED; bottom_top = 2; south_north = 3; west_east = 3;' 'float XLAT(Time, south_north, west_east); XLAT:units = "degree_north";
 		float XLONG(Time, south_north, west_east); XLONG:units = "degree_east"; float XTIME(Time); XTIME:units = "minutes since 2000-01-01 00:00:00";
 		float T(Time, bottom_top, south_north, west_east); T:coordinates = "XLONG XLAT XTIME"; T:units = "K";' \
-		'XTIME = 0; XLAT = 50, 50, 50, 52, 52, 52, 54, 54, 54; XLONG = 4, 6, 8, 4, 6, 8, 4, 6, 8; T = 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18, 19;'
+		'XTIME = 0; XLAT = 50, 50, 50, 52, 52, 52, 54, 54, 54; XLONG = 4, 6, 8, 4, 6, 8, 3.7, 6, 8.3; T = 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18, 19;'
 	run nc2vtk wrf.nc T
-	like 'a file of WRF is refused, with a command' "$status:$err" '^2:nc2vtk: wrf.nc: T: a curvilinear grid: .* as cdo remapbil,GRID IN OUT writes; nc2vtk.1. has a GRID$'
+	like 'a curvilinear file of WRF without a plane is refused, with a command' "$status:$err" '^2:nc2vtk: wrf.nc: T: a curvilinear grid: .* as cdo remapbil,GRID IN OUT writes; nc2vtk.1. has a GRID$'
 	ok 'the command works' cdo -s -O "$(advised grid)" wrf.nc out.nc
 	is 'and its result is a grid, with the levels of the model' "$(got out.nc T | cut -d' ' -f 5,14):$(on_line coordinates Z a.vtk)" '5 15:1 2'
 	make_nc icon 'height = 2; ncells = 4;' 'double clon(ncells); clon:units = "radian"; clon:standard_name = "longitude"; double clat(ncells);

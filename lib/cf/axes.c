@@ -56,7 +56,8 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis
     if (strstr(a->units, " since ") || strcasecmp(standard, "time") == 0 ||
         strcasecmp(a->name, "time") == 0)
         return CF_T;
-    return positive[0] || one_of(standard, up) || is_pressure(a->units) ? CF_Z : CF_NONE;
+    cf_text(c, group, id, "formula_terms", axis);
+    return positive[0] || axis[0] || one_of(standard, up) || is_pressure(a->units) ? CF_Z : CF_NONE;
 }
 
 /*
@@ -148,6 +149,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
     if (!find_coordinates(group, dim, name, &in, &id)) {
         if (strncmp(name, "bottom_top", 10) == 0) count_levels(a);
+        if (a->kind == CF_T) cf_wrf_times(c, group, a);
         return true;
     }
     cf_packing(c, in, id, &p);

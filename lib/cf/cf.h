@@ -7,13 +7,14 @@
  *
  * Call order: cf_open; cf_find, or cf_each and cf_field_read; cf_axes; cf_values for each time;
  * cf_close. Functions that can fail return false with a message in err. A caller must link
- * libnetcdf.
+ * libnetcdf, and libproj if it is there.
  */
 #ifndef STORMRING_CF_H
 #define STORMRING_CF_H
 
 #include "base/base.h"
 #include "grid/grid.h"
+#include "projection/projection.h"
 
 #define CF_TEXT 128    /* bytes of a name or text attribute; longer ones are cut */
 #define CF_AXES_MAX 16 /* including axes with one element */
@@ -41,12 +42,13 @@ struct cf_axis {
     size_t n;
     double *at; /* as in the file; NULL if there is no coordinate variable */
     char name[CF_TEXT], units[CF_TEXT];
-    bool pressure; /* its units are those of pressure */
-    bool rotated;  /* of a rotated sphere, by their standard name */
-    bool member;   /* counts members of an ensemble, by its standard name */
-    bool made;     /* not in the file: the one level of a field of x and y */
-    bool chosen;   /* one element of it was chosen: pick */
-    bool over;     /* or all of them: members */
+    bool pressure;  /* its units are those of pressure */
+    bool rotated;   /* of a rotated sphere, by their standard name */
+    bool member;    /* counts members of an ensemble, by its standard name */
+    bool made;      /* not in the file: the one level of a field of x and y */
+    bool staggered; /* its nodes are the middles between those of the file */
+    bool chosen;    /* one element of it was chosen: pick */
+    bool over;      /* or all of them: members */
     size_t pick;
     int dim;    /* netcdf's id of the dimension */
     int in, id; /* group and variable of the coordinates, if `at` */
@@ -68,7 +70,9 @@ struct cf_field {
     struct cf_axis axis[CF_AXES_MAX]; /* in file order */
     struct cf_packing packing;
     char name[CF_TEXT], units[CF_TEXT], long_name[CF_TEXT];
-    bool difference; /* of temperatures: units_metadata says so */
+    bool difference;             /* of temperatures: units_metadata says so */
+    char plane[PROJECTION_TEXT]; /* of x and y, if it is known; "" */
+    char plane_fault[ERR_BYTES]; /* why it is not, if the file states one */
 };
 
 bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES]);
@@ -109,7 +113,12 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, size_t 
 
 /* ---- heights -------------------------------------------------------------------------------- */
 
-#define CF_TERMS 3
+/* A variable of x, y and perhaps time. */
+struct cf_layer {
+    int group, id;
+    double unit; /* to multiply by */
+};
+struct cf_ocean;
 /* The variables from which the height of each node of a field comes. */
 struct cf_heights {
     enum {
@@ -117,15 +126,15 @@ struct cf_heights {
         CF_HEIGHTS_GEOPOTENTIAL,
         CF_HEIGHTS_HYBRID,
         CF_HEIGHTS_OROGRAPHY,
-        CF_HEIGHTS_SEA /* a is the pressure in the sea, in Pa */
+        CF_HEIGHTS_OCEAN, /* levels that follow the bottom of the sea */
+        CF_HEIGHTS_SEA    /* a is the pressure in the sea, in Pa */
     } kind;
-    struct cf_field geopotential;
-    double metres; /* of a unit of the geopotential */
+    struct cf_field geopotential, base; /* base: to be added, if it has axes */
+    double metres;                      /* of a unit of the geopotential */
     double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa; or the height
                     * is that with the height of the ground, in metres */
-    int surface;   /* variable of the surface's pressure or height, in this group: */
-    int group;
-    double unit; /* a unit of it in Pa or metres */
+    struct cf_layer surface; /* its pressure in Pa, or its height in metres */
+    struct cf_ocean *ocean;  /* of CF_HEIGHTS_OCEAN */
 };
 /*
  * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure or

@@ -40,8 +40,10 @@ static bool refuse_axis(
     struct cf_file *c, const struct cf_field *f, const struct cf_axis *a, char err[ERR_BYTES])
 {
     const char *what = "no rectilinear grid", *operator= remapping(c, f, &what);
-    err_set(err, "%s: there are no coordinates along %.60s, expected them along each axis%s%s%s",
-        what, a->name, operator? ", as cdo " : "",
+    char why[ERR_BYTES];
+    err_set(why, "there are no coordinates along %.60s, expected them", a->name);
+    if (*f->plane_fault) err_set(why, "%.150s, expected coordinates", f->plane_fault);
+    err_set(err, "%s: %s along each axis%s%s%s", what, why, operator? ", as cdo " : "",
         operator? operator: "", operator? ",GRID IN OUT writes; nc2vtk(1) has a GRID" : "");
     return false;
 }
@@ -96,7 +98,14 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
         return err_set(err, "it has %d dimensions, expected %d at most", n, CF_AXES_MAX);
     for (; f->n_axes < n; f->n_axes++)
         if (!cf_axis_read(c, group, dims[f->n_axes], &f->axis[f->n_axes], err)) return false;
-    return cf_look(c, err) && cf_choose(c, f, err) && check_axes(c, f, err);
+    if (!cf_look(c, err) || !cf_choose(c, f, err)) return false;
+    cf_wrf_center(f);
+    cf_mapping_read(c, f);
+    cf_curvilinear(c, f);
+    if (!cf_look(c, err)) return false;
+    if (!check_axes(c, f, err)) return false;
+    cf_mapping_use(f);
+    return cf_look(c, err);
 }
 
 void cf_field_free(struct cf_field *f)

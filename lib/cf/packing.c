@@ -66,6 +66,18 @@ static size_t numbers(struct cf_file *c, int group, int id, const char *name, si
     return got ? n : 0;
 }
 
+size_t cf_reals(struct cf_file *c, int group, int id, const char *name, double out[2])
+{
+    size_t n;
+    nc_type type;
+    if (nc_inq_att(group, id, name, &type, &n) != NC_NOERR || n < 1 || n > 2 || !is_number(type))
+        return 0;
+    if (!cf_did(c, nc_get_att_double(group, id, name, out))) return 0;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(out[i])) return 0;
+    return n;
+}
+
 /* Reads an attribute that would change all values. */
 static void one(struct cf_file *c, int group, int id, const char *name, double *out, int *type,
     struct cf_packing *p)

@@ -41,7 +41,7 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
 struct way {
     size_t start[CF_AXES_MAX], count[CF_AXES_MAX]; /* of a slab: one node of the outermost axis */
     int outermost;
-    size_t n[3];
+    size_t n[3], more[3];      /* more: 1 if the axis is staggered */
     ptrdiff_t step[3], origin; /* in the grid */
 };
 
@@ -66,26 +66,48 @@ static struct way find_way(
             w.origin += w.step[k] * (ptrdiff_t)(a->n - 1);
             w.step[k] = -w.step[k];
         }
+        w.more[k] = a->staggered;
         if (k == 0) w.outermost = i;
-        else w.count[i] = a->n;
+        w.count[i] = (k ? a->n : 1) + w.more[k];
         k++;
     }
     return w;
+}
+
+/* Replaces n + 1 blocks of numbers by the n means of neighbours. */
+static void center(double *v, size_t times, size_t n, size_t block)
+{
+    for (size_t t = 0; t < times; t++)
+        for (size_t i = 0; i < n * block; i++) {
+            const double *from = v + t * (n + 1) * block + i;
+            v[t * n * block + i] = (from[0] + from[block]) / 2;
+        }
+}
+
+static void center_all(const struct way *w, double *slab)
+{
+    const size_t row = w->n[2] + w->more[2];
+    if (w->more[0]) center(slab, 1, 1, (w->n[1] + w->more[1]) * row);
+    if (w->more[1]) center(slab, 1, w->n[1], row);
+    if (w->more[2]) center(slab, w->n[1], w->n[2], 1);
 }
 
 bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, size_t member,
     struct grid *g, char err[ERR_BYTES])
 {
     struct way w = find_way(f, time, member, g);
-    double *slab = xcalloc(w.n[1] * w.n[2], sizeof *slab), worst = 0;
+    const size_t n = (1 + w.more[0]) * (w.n[1] + w.more[1]) * (w.n[2] + w.more[2]);
+    double *slab = xcalloc(n, sizeof *slab), worst = 0;
     for (size_t i = 0; i < w.n[0] && !c->status; i++) {
         const double *from = slab;
         w.start[w.outermost] = i;
         cf_did(c, nc_get_vara_double(f->group, f->id, w.start, w.count, slab));
+        for (size_t m = 0; m < n; m++) slab[m] = cf_unpack(&f->packing, slab[m]);
+        center_all(&w, slab);
         for (size_t j = 0; j < w.n[1]; j++) {
             float *to = g->value + w.origin + w.step[0] * (ptrdiff_t)i + w.step[1] * (ptrdiff_t)j;
             for (size_t k = 0; k < w.n[2]; k++, to += w.step[2]) {
-                double v = cf_unpack(&f->packing, *from++);
+                double v = *from++;
                 if (fabs(v) > worst) worst = fabs(v);
                 *to = (float)v;
             }

@@ -178,6 +178,18 @@ static void convert_members(struct run *r, size_t time)
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
+/* A title that is cut would name another plane. */
+static void add_plane(const struct run *r, struct buf *title)
+{
+    const char *plane = r->c->plane;
+    if (!*plane) return;
+    if (buf_size(title) + strlen("; proj ") + strlen(plane) < GRID_TITLE - 1)
+        buf_printf(title, "; proj %s", plane);
+    else
+        warn("%s: %s: the title has no room for '%s', so that maps have no coasts", r->o->file,
+            r->c->what, plane);
+}
+
 static void convert_time(struct run *r, size_t time)
 {
     const struct converter *c = r->c;
@@ -188,6 +200,7 @@ static void convert_time(struct run *r, size_t time)
     if (r->closing) convert_close(&r->g);
     buf_printf(&title, "%s [%s]", c->request->name, r->o->unit ? r->o->unit : c->request->unit);
     c->describe(c->ctx, time, r->o->heights ? "height [m]" : NULL, &title);
+    add_plane(r, &title);
     buf_append(&title, "", 1);
     grid_write(&r->g, (const char *)buf_data(&title), &b);
     put(r->o, time, &b, &r->replaced);

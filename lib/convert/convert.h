@@ -97,6 +97,7 @@ struct converter {
     const char *heights_by;  /* for CONVERT_LEVELS_FIELD: the variable, for messages */
     bool standard_too;       /* likewise: -Z would give heights too */
     const char *levels_unit; /* of z */
+    const char *plane;       /* of x and y, a string of PROJ; "": none */
     bool degrees;            /* x is longitude in degrees */
     size_t times, members;
     enum convert_over over; /* what is written of several members */

@@ -8,13 +8,15 @@
  *
  * Call order: gb_index_read; gb_stack_at to list the contents, gb_stack_check to find stacks that
  * cannot be read; gb_member; gb_axes; gb_values for each time. Functions that can fail return false
- * with a message in err. A caller must link ecCodes.
+ * with a message in err. A caller must link ecCodes, and libproj if
+ * it is there.
  */
 #ifndef STORMRING_GRIB_H
 #define STORMRING_GRIB_H
 
 #include "base/base.h"
 #include "grid/grid.h"
+#include "projection/projection.h"
 
 #define GB_TEXT 80 /* bytes of a text key; longer ones are cut */
 
@@ -79,6 +81,9 @@ bool gb_counts_down(const struct gb_entry *e);
 /* True if x and y of this grid type are metres on a plane. */
 bool gb_is_projected(const char *kind);
 
+/* Writes PROJ's string of the plane of x and y, or "" if it is not known. */
+bool gb_plane_of(
+    const char *path, const struct gb_stack *s, char text[PROJECTION_TEXT], char err[ERR_BYTES]);
 /* Makes a grid with these axes, ascending, and room for values. The caller frees it. */
 bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[ERR_BYTES]);
 /* Reads the values of one time into g; of the first member. */

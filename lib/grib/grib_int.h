@@ -15,7 +15,16 @@ struct gb_file {
 bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES]);
 /* Reads the first or the next message. */
 bool gb_next(struct gb_file *in, char err[ERR_BYTES]);
+/* Opens the file at the message with a number. */
+bool gb_open_at(const char *path, size_t number, struct gb_file *in, char err[ERR_BYTES]);
 void gb_close(struct gb_file *in);
+
+/* The plane of a grid, and its first point there. text is empty if the plane is not known. */
+struct gb_plane {
+    char text[PROJECTION_TEXT];
+    double x, y;
+};
+void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p);
 
 /* The value of a key. If it is missing: 0, or NaN for gb_real. */
 long gb_long(const codes_handle *h, const char *key);

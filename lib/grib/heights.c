@@ -51,16 +51,14 @@ static bool coefficients(
     struct gb_file in;
     *ab = NULL;
     *n = 0;
-    if (!gb_open(path, &in, err)) return false;
-    bool good = gb_next(&in, err);
-    while (good && in.h && in.number < e->number) good = gb_next(&in, err);
-    if (good && in.h && codes_get_size(in.h, "pv", n) == CODES_SUCCESS && *n >= 4 && *n % 2 == 0) {
+    if (!gb_open_at(path, e->number, &in, err)) return false;
+    if (codes_get_size(in.h, "pv", n) == CODES_SUCCESS && *n >= 4 && *n % 2 == 0) {
         *ab = xcalloc(*n, sizeof **ab);
         if (codes_get_double_array(in.h, "pv", *ab, n) != CODES_SUCCESS) *n = 0;
     }
     *n /= 2;
     gb_close(&in);
-    return good && (*n > 1 || err_set(err, "the levels have no coefficients, expected the key pv"));
+    return *n > 1 || err_set(err, "the levels have no coefficients, expected the key pv");
 }
 
 static bool pressures(const char *path, const struct gb_stack *s, const struct gb_heights *h,

@@ -68,6 +68,7 @@ static void read_entry(const struct gb_file *in, struct gb_entry *e)
     gb_text(in->h, "md5GridSection", e->grid, GB_TEXT);
     gb_text(in->h, "gridType", e->kind, GB_TEXT);
     e->level = level_of(in->h, e->levels);
+    if (isnan(e->level)) e->level = 0; /* as of what a satellite sees, which has no level */
     e->when = (int64_t)gb_long(in->h, "validityDate") * 10000 + gb_long(in->h, "validityTime");
     e->nx = gb_long(in->h, "Ni");
     e->ny = gb_long(in->h, "Nj");

@@ -33,6 +33,17 @@ bool gb_next(struct gb_file *in, char err[ERR_BYTES])
     return err_set(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
 }
 
+bool gb_open_at(const char *path, size_t number, struct gb_file *in, char err[ERR_BYTES])
+{
+    if (!gb_open(path, in, err)) return false;
+    bool good = gb_next(in, err);
+    while (good && in->h && in->number < number) good = gb_next(in, err);
+    if (good && in->h) return true;
+    if (good) err_set(err, "the file has changed, expected the same messages");
+    gb_close(in);
+    return false;
+}
+
 void gb_close(struct gb_file *in)
 {
     if (in->h) codes_handle_delete(in->h);

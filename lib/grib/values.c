@@ -44,13 +44,18 @@ static double distance(const codes_handle *h, const char *const keys[3])
     return v;
 }
 
-/* Metres from the corner with the lowest x and y. */
-static void plane_axes(const codes_handle *h, struct grid *g)
+/* Metres on the plane; if that is not known, from the corner with the lowest x and y. */
+static void plane_axes(const codes_handle *h, const char *kind, struct grid *g)
 {
     static const char *const dx[] = {"DxInMetres", "DiInMetres", "xDirectionGridLengthInMetres"};
     static const char *const dy[] = {"DyInMetres", "DjInMetres", "yDirectionGridLengthInMetres"};
-    spread(g->at[0], g->n[0], 0, distance(h, dx) * (g->n[0] - 1));
-    spread(g->at[1], g->n[1], 0, distance(h, dy) * (g->n[1] - 1));
+    const double width = distance(h, dx) * (g->n[0] - 1), depth = distance(h, dy) * (g->n[1] - 1);
+    struct gb_plane p;
+    gb_find_plane(h, kind, &p);
+    if (*p.text && gb_long(h, "iScansNegatively")) p.x -= width;
+    if (*p.text && !gb_long(h, "jScansPositively")) p.y -= depth;
+    spread(g->at[0], g->n[0], p.x, p.x + width);
+    spread(g->at[1], g->n[1], p.y, p.y + depth);
 }
 
 /* Degrees, eastwards from the western edge, beyond 360 if needed. */
@@ -97,20 +102,17 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
     const bool down = gb_counts_down(e);
     struct gb_file in;
     *g = (struct grid){.value = NULL};
-    if (!gb_open(path, &in, err)) return false;
-    bool good = gb_next(&in, err);
-    while (good && in.h && in.number < e->number) good = gb_next(&in, err);
-    if (good && !in.h) good = err_set(err, "the file has changed, expected the same messages");
+    if (!gb_open_at(path, e->number, &in, err)) return false;
     for (int a = 0; a < 3; a++) {
         g->n[a] = (uint32_t)n[a];
         g->at[a] = xcalloc(n[a], sizeof *g->at[a]);
     }
     for (size_t k = 0; k < n[2]; k++)
         g->at[2][down ? n[2] - 1 - k : k] = (down ? -e[k].level : e[k].level) + 0.0; /* no -0 */
-    if (good && gb_is_projected(e->kind)) plane_axes(in.h, g);
-    else if (good) sphere_axes(in.h, e->kind, g);
+    if (gb_is_projected(e->kind)) plane_axes(in.h, e->kind, g);
+    else sphere_axes(in.h, e->kind, g);
     gb_close(&in);
-    good = good && check_axes(g, err);
+    bool good = check_axes(g, err);
     size_t nodes;
     if (good && __builtin_mul_overflow(n[0] * n[1], n[2], &nodes))
         good = err_set(err, "too many nodes, expected as many as fit in memory");

@@ -3,6 +3,7 @@
 #define STORMRING_PLANE_INT_H
 
 #include "plane/plane.h"
+#include "projection/projection.h"
 
 /* Where a projection is not continuous, and so how the globe is cut open. */
 enum plane_kind {
@@ -24,16 +25,10 @@ bool plane_words(const char *proj, struct plane_words *w, char err[ERR_BYTES]);
 
 struct plane {
     enum plane_kind kind;
-    double metres; /* in the unit of x and y; of a rotated sphere: what PROJ has for a degree */
+    double metres; /* in the unit of x and y; of a rotated sphere 1 */
     struct plane_sheet sheet;
-    double axis[3][3];    /* of the sheet's sphere: the last one goes to its pole */
-    void *context, *proj; /* of libproj */
+    double axis[3][3]; /* of the sheet's sphere: the last one goes to its pole */
+    struct projection *projection;
 };
-
-/* libproj itself, or none. Angles are in degrees on the globe, other numbers are PROJ's. */
-bool plane_proj_open(struct plane *p, const char *text, char err[ERR_BYTES]);
-void plane_proj_free(struct plane *p);
-bool plane_proj_forward(const struct plane *p, struct plane_at degrees, struct plane_at *at);
-bool plane_proj_inverse(const struct plane *p, struct plane_at at, struct plane_at *degrees);
 
 #endif

@@ -45,17 +45,19 @@ struct plane_sheet plane_sheet(const struct plane *p) { return p->sheet; }
 
 bool plane_forward(const struct plane *p, struct plane_at degrees, struct plane_at *at)
 {
-    if (!plane_proj_forward(p, degrees, at)) return false;
-    at->x /= p->metres;
-    at->y /= p->metres;
+    double to[2];
+    if (!projection_place(p->projection, degrees.x, degrees.y, to)) return false;
+    *at = (struct plane_at){to[0] / p->metres, to[1] / p->metres};
     return true;
 }
 
 bool plane_inverse(const struct plane *p, struct plane_at at, struct plane_at *degrees)
 {
-    at.x *= p->metres;
-    at.y *= p->metres;
-    return plane_proj_inverse(p, at, degrees);
+    const double from[2] = {at.x * p->metres, at.y * p->metres};
+    double to[2];
+    if (!projection_degrees(p->projection, from, to)) return false;
+    *degrees = (struct plane_at){to[0], to[1]};
+    return true;
 }
 
 struct plane_at plane_to_sheet(const struct plane *p, struct plane_at degrees)
@@ -140,23 +142,10 @@ static bool set_sheet(
     return true;
 }
 
-/* PROJ gives the degrees of a rotated sphere in radians, or in degrees: by version. Of four places
- * at right angles, one is far from 0. */
-static double degree_of(const struct plane *p)
-{
-    double most = 0;
-    for (int i = 0; i < 4; i++) {
-        struct plane_at at;
-        if (plane_proj_forward(p, (struct plane_at){90 * i, 0}, &at))
-            most = fmax(most, fmax(fabs(at.x), fabs(at.y)));
-    }
-    return most > 8 ? 1 : RADIANS;
-}
-
 /* False if x and y are not in a unit of the projection. */
 static bool set_unit(struct plane *p, const char *unit)
 {
-    if (p->kind == PLANE_ROTATED) p->metres = degree_of(p);
+    if (p->kind == PLANE_ROTATED) p->metres = 1;
     else if (strcmp(unit, "km") == 0) p->metres = 1000;
     else if (strcmp(unit, "m") == 0 || strncasecmp(unit, "met", 3) == 0) p->metres = 1;
     return p->metres > 0 && (p->kind == PLANE_ROTATED) == (strncasecmp(unit, "degree", 6) == 0);
@@ -169,7 +158,8 @@ struct plane *plane_open(
     struct plane_words w;
     bool good = plane_words(proj, &w, err);
     p->kind = w.kind;
-    good = good && plane_proj_open(p, (const char *)buf_data(&w.text), err);
+    if (good) p->projection = projection_open((const char *)buf_data(&w.text), err);
+    good = good && p->projection;
     if (good && !set_unit(p, unit))
         good = err_set(err, "x has the unit '%.40s', expected %s", unit,
             p->kind == PLANE_ROTATED ? "degrees" : "m or km");
@@ -185,6 +175,6 @@ struct plane *plane_open(
 void plane_free(struct plane *p)
 {
     if (!p) return;
-    plane_proj_free(p);
+    projection_close(p->projection);
     free(p);
 }

@@ -1,0 +1,148 @@
+/*
+ * terms: the variables that the formulas of levels name: of a level, of a column, or one number.
+ */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define GRAVITY 9.80665 /* m/s2 */
+
+/* ---- names and units ------------------------------------------------------------------------- */
+
+bool cf_term(const char *terms, const char *what, char name[CF_TEXT])
+{
+    size_t n = strlen(what);
+    for (const char *at = terms; (at = strstr(at, what)) != NULL; at += n) {
+        if ((at != terms && at[-1] != ' ') || at[n] != ':') continue;
+        at += n + 1;
+        while (*at == ' ') at++;
+        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, " "), at);
+        return true;
+    }
+    name[0] = '\0';
+    return false;
+}
+
+bool cf_find_above(int *group, const char *name, int *id)
+{
+    while (nc_inq_varid(*group, name, id) != NC_NOERR)
+        if (nc_inq_grp_parent(*group, group) != NC_NOERR) return false;
+    return true;
+}
+
+/* The spellings of the table are known without libudunits2. */
+double cf_metres_in(const char *units)
+{
+    static const struct {
+        const char *unit;
+        double metres;
+    } table[] = {{"m2 s-2", 1 / GRAVITY}, {"m**2 s**-2", 1 / GRAVITY}, {"m^2 s^-2", 1 / GRAVITY},
+        {"m2/s2", 1 / GRAVITY}, {"m^2/s^2", 1 / GRAVITY}, {"m", 1}, {"gpm", 1}, {"meter", 1},
+        {"meters", 1}, {"metre", 1}, {"metres", 1}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (strcasecmp(units, table[i].unit) == 0) return table[i].metres;
+    double metres = cf_in_units(units, "m");
+    return metres > 0 ? metres : cf_in_units(units, "m2 s-2") / GRAVITY;
+}
+
+bool cf_to_metres(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES])
+{
+    char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
+    cf_text(c, group, id, "units", units);
+    double metres = units[0] ? cf_metres_in(units) : 1;
+    *value *= metres;
+    if (metres > 0) return true;
+    cf_did(c, nc_inq_varname(group, id, name));
+    return err_set(err, "%.60s is in '%.60s', expected a length", name, units);
+}
+
+bool cf_to_pascals(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES])
+{
+    char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
+    cf_text(c, group, id, "units", units);
+    if (!units[0]) return true;
+    const double pascals = cf_in_pascals(units);
+    *value *= pascals;
+    if (pascals > 0) return true;
+    cf_did(c, nc_inq_varname(group, id, name));
+    return err_set(err, "%.60s is in '%.60s', expected a unit of pressure", name, units);
+}
+
+bool cf_numbers(
+    struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES])
+{
+    int id, dims, dim[NC_MAX_VAR_DIMS];
+    size_t length = 1;
+    struct cf_packing p;
+    if (nc_inq_varid(group, name, &id) != NC_NOERR)
+        return err_set(err, "the levels name %.60s, which is not there", name);
+    cf_did(c, nc_inq_var(group, id, NULL, NULL, &dims, dim, NULL));
+    if (!c->status && dims > 1)
+        return err_set(err, "%.60s has %d dimensions, expected 1", name, dims);
+    if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], &length));
+    if (!c->status && length != n)
+        return err_set(err, "%.60s has %zu numbers, expected %zu", name, length, n);
+    cf_packing(c, group, id, &p);
+    if (!cf_unpacks(&p, name, err)) return false;
+    if (!c->status) cf_did(c, nc_get_var_double(group, id, out));
+    for (size_t i = 0; !c->status && i < n; i++) out[i] = cf_unpack(&p, out[i]);
+    return cf_look(c, err);
+}
+
+/* ---- layers ---------------------------------------------------------------------------------- */
+
+bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h,
+    size_t time, size_t member, const struct grid *g, double *layer, char err[ERR_BYTES])
+{
+    int dims = 0, dim[NC_MAX_VAR_DIMS];
+    char name[NC_MAX_NAME + 1], what[NC_MAX_NAME + 1] = "";
+    size_t start[CF_AXES_MAX] = {0}, count[CF_AXES_MAX], of[CF_AXES_MAX] = {0};
+    unsigned seen = 0;
+    cf_did(c, nc_inq_var(h->group, h->id, what, NULL, &dims, dim, NULL));
+    if (dims > CF_AXES_MAX) dims = 0;
+    for (int i = 0; i < dims; i++) {
+        const struct cf_axis *a = NULL;
+        cf_did(c, nc_inq_dim(h->group, dim[i], name, &count[i]));
+        for (int k = 0; k < f->n_axes; k++)
+            if (strncmp(f->axis[k].name, name, CF_TEXT - 1) == 0) a = &f->axis[k];
+        if (count[i] == 1 && !(a && a->kind <= CF_Y)) continue;
+        const bool chosen = a && a->chosen;
+        if (!a || a->n != count[i] || a->kind == CF_Z || (a->kind == CF_NONE && !chosen))
+            return err_set(err,
+                "%.60s of the surface has the dimension %.60s, expected x, y and time of the field",
+                what, name);
+        if (chosen) start[i] = a->over ? member : a->pick;
+        else if (a->kind == CF_T) start[i] = time;
+        if (chosen || a->kind == CF_T) count[i] = 1;
+        else of[i] = a->kind == CF_X ? 1 : g->n[0];
+        if (!chosen && seen >> a->kind & 1)
+            return err_set(err, "%.60s of the surface has %.60s twice", what, name);
+        if (!chosen) seen |= 1U << a->kind;
+    }
+    if (!(seen >> CF_X & 1 && seen >> CF_Y & 1))
+        return err_set(err, "%.60s of the surface lacks x or y, expected both", what);
+    size_t n = (size_t)g->n[0] * g->n[1], at[CF_AXES_MAX] = {0};
+    double *values = xcalloc(n, sizeof *values);
+    struct cf_packing p;
+    cf_packing(c, h->group, h->id, &p);
+    if (!cf_unpacks(&p, what, err)) {
+        free(values);
+        return false;
+    }
+    cf_did(c, nc_get_vara_double(h->group, h->id, start, count, values));
+    for (size_t m = 0; m < n; m++) {
+        size_t to = 0;
+        for (int i = 0; i < dims; i++) {
+            if (!of[i]) continue;
+            const struct cf_axis *a = cf_axis_of(f, of[i] == 1 ? CF_X : CF_Y);
+            to += of[i] * (a->at[1] < a->at[0] ? a->n - 1 - at[i] : at[i]);
+        }
+        layer[to] = cf_unpack(&p, values[m]) * h->unit;
+        for (int i = dims - 1; i >= 0 && ++at[i] == count[i]; i--) at[i] = 0;
+    }
+    free(values);
+    return cf_look(c, err);
+}
