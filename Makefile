@@ -89,7 +89,7 @@ PANGO         = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags pangocairo
 FLAGS_paint/paint = $(PANGO)
 FLAGS_paint/text  = $(PANGO)
 LIBS_tsvstat  = -lgsl -lgslcblas
-LIBS_mesh2nff = -lassimp
+LIBS_mesh2nff = -lassimp $(if $(JPEG),-ljpeg)
 LIBS_stormview = -lSDL2 $(LIBS_paint)
 LIBS_vol2vtk  = -lexpat
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
@@ -109,6 +109,8 @@ ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
+# Without this one, mesh2nff reads no textures in JPEG. It needs stdio.h before it.
+JPEG    := $(if $(call lacks,stdio.h -include jpeglib.h,-),,jpeg)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
@@ -121,6 +123,7 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
+           lib/mesh/$(if $(JPEG),none,jpeg).c \
            lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
@@ -169,6 +172,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 	$(if $(UDUNITS),,@echo "make: nc2vtk and grib2vtk convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
+	$(if $(JPEG),,@echo "make: mesh2nff reads no textures in JPEG: libjpeg-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

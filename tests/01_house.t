@@ -26,7 +26,7 @@ inference table stats base
 scene geometry base
 spd scene geometry base
 simd base
-mesh scene geometry base
+mesh scene geometry image task base
 trace simd scene geometry image task base os
 html base
 album html image task base
@@ -248,7 +248,7 @@ beyond="$beyond|reallocarray|sched_[gs]etaffinity|signalfd|sigaltstack|sincos|sp
 beyond="$beyond|strverscmp|syscall|timegm|timerfd_[a-z]+|usleep|wait[34]|le(16|32|64)toh|htole(16|32|64)"
 headers='arpa/inet|ctype|dirent|errno|fcntl|float|inttypes|limits|math|poll|pthread|setjmp|signal|std(arg|bool|def|int|io|lib)'
 headers="$headers|strings?|sys/(mman|resource|stat|statvfs|time|types|uio|utsname|wait)|time|unistd"
-headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|expat|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|SDL2/SDL|immintrin|cpuid|cmocka"
+headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|expat|jpeglib|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|SDL2/SDL|immintrin|cpuid|cmocka"
 # shellcheck disable=SC2046,SC2086
 {
 	ours="$(printf '%s\n' $lib | grep -vE '^lib/(os/linux|crop/confine)\.c$') $(echo bin/*.c)"
