@@ -130,8 +130,10 @@ UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/uni
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
 LIBS_fuzz_voxel = $(LIBS_vol2vtk)
+LIBS_fuzz_command = $(LIBS_stormview)
 LIBS_test_files = $(LIBS_pack)
-FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c) \
+           $(if $(filter window paint,$(NO)),tests/fuzz/fuzz_command.c),$(wildcard tests/fuzz/fuzz_*.c)))
 # With CDPATH, `cd` may go elsewhere, and prints where.
 unexport CDPATH
 # What tests and measurements run: these programs.
