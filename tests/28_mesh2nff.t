@@ -463,7 +463,7 @@ f 1 1 0.5 1 0 0 0 1
 f 0.5149177 0.5149177 0.25745884 1 0 0 0 1
 f 1 1 1 1 0 0 0 1'
 is '-t: the count of colours is told' "$err" 'mesh2nff: textured.obj: colours of textures: 5, at most 2.5/255 of sRGB off'
-# A grey of 188 in 8 bits is .5029 of the light; steps of 5 make 190 of it.
+# A grey of 188 in 8 bits is .5029 of the light; the nearest step is 190.
 { printf 'P6 1500 3 255\n'; packed 'C*' 188 188 188 | perl -e '$_ = <>; print $_ x 4500'; } >wide.ppm
 sed 's/quarters.png/wide.ppm/' textured.mtl >wide.mtl
 sed 's/textured/wide/' textured.obj >wide.obj
@@ -501,8 +501,9 @@ like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials 
 sed 's/quarters.png/none.png/' textured.mtl >wide.mtl
 like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
 	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"
-sed 's/quarters.png/torn.png/' textured.mtl >wide.mtl
 head -c 60 quarters.png >torn.png
+is '-t: a device that is no file' "$(sed 's/quarters.png/\/dev\/zero/' textured.mtl >wide.mtl; mesh2nff -t wide.obj 2>&1 >a | grep -c '/dev/zero: is no file')" 1
+sed 's/quarters.png/torn.png/' textured.mtl >wide.mtl
 like '-t: a damaged one' "$(mesh2nff -t wide.obj 2>&1 >a)" 'torn.png: .*PNG'
 
 sed 's/ 0 0.6 0.8$/ 0 nan 0.8/' text.ply >normals.ply

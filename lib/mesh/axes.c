@@ -71,8 +71,8 @@ static void tell(struct mesh *m, const struct mesh_frame *f, double unit, bool m
         n = snprintf(m->turned, room, "%s%c is up in the file, y in the scene",
             u[most] < 0 ? "-" : "", axis[most]);
     if (is_scaled)
-        snprintf(m->turned + n, room - (size_t)n, "%sunits of %.6g m in the file, metres in the scene",
-            n ? "; " : "", unit);
+        snprintf(m->turned + n, room - (size_t)n,
+            "%sunits of %.6g m in the file, metres in the scene", n ? "; " : "", unit);
 }
 
 struct mesh_frame mesh_axes(struct mesh *m)

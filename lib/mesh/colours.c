@@ -33,9 +33,10 @@ struct uv {
 
 static struct uv uv_of(const struct mesh_texture *t, const struct mesh_face *face, uint32_t i)
 {
-    const struct aiVector3D *v = &face->part->mesh->mTextureCoords[t->set][mesh_vertex(face->part, face->face, i)];
-    return (struct uv){{(double)v->x * t->scale[0] + t->move[0],
-        (double)v->y * t->scale[1] + t->move[1]}};
+    const unsigned at = mesh_vertex(face->part, face->face, i);
+    const struct aiVector3D *v = &face->part->mesh->mTextureCoords[t->set][at];
+    return (struct uv){
+        {(double)v->x * t->scale[0] + t->move[0], (double)v->y * t->scale[1] + t->move[1]}};
 }
 
 /* The texel of n along an axis. u is finite. */
@@ -67,8 +68,7 @@ static void sample(const struct mesh_texture *t, struct uv at, double weight, st
 static struct uv between(struct uv a, struct uv b, struct uv c, double s, double t)
 {
     struct uv out;
-    for (int k = 0; k < 2; k++)
-        out.u[k] = a.u[k] + s * (b.u[k] - a.u[k]) + t * (c.u[k] - a.u[k]);
+    for (int k = 0; k < 2; k++) out.u[k] = a.u[k] + s * (b.u[k] - a.u[k]) + t * (c.u[k] - a.u[k]);
     return out;
 }
 
@@ -104,13 +104,11 @@ static bool of_texture(const struct mesh_texture *t, const struct mesh_face *fac
     for (uint32_t i = 1; i + 1 < face->n; i++) {
         const struct vec3 *v = face->v;
         c[1] = c[2], c[2] = uv_of(t, face, i + 1);
-        sample_triangle(
-            t, c, v3_len(v3_cross(v3_sub(v[i], v[0]), v3_sub(v[i + 1], v[0]))), &s);
+        sample_triangle(t, c, v3_len(v3_cross(v3_sub(v[i], v[0]), v3_sub(v[i + 1], v[0]))), &s);
     }
     if (!(s.weight > 0)) return false;
     *out = v3(0, 0, 0);
-    if (s.alpha > 0)
-        *out = v3(s.rgb[0] / s.alpha, s.rgb[1] / s.alpha, s.rgb[2] / s.alpha);
+    if (s.alpha > 0) *out = v3(s.rgb[0] / s.alpha, s.rgb[1] / s.alpha, s.rgb[2] / s.alpha);
     return true;
 }
 
@@ -118,7 +116,10 @@ static uint32_t step_of(double linear)
 {
     return (srgb_encode8((float)linear) + TEXTURE_STEP / 2) / TEXTURE_STEP;
 }
-static double value_of(uint32_t step) { return (double)srgb_decode8((uint8_t)(step * TEXTURE_STEP)); }
+static double value_of(uint32_t step)
+{
+    return (double)srgb_decode8((uint8_t)(step * TEXTURE_STEP));
+}
 
 /* ---- both ------------------------------------------------------------------------------------ */
 
@@ -126,8 +127,8 @@ struct mesh_colour mesh_colour_of(const struct mesh *m, const struct mesh_face *
 {
     struct mesh_colour out = {.c = v3(1, 1, 1)};
     const struct aiMesh *mesh = face->part->mesh;
-    const struct mesh_texture *t =
-        m->textures && face->material < m->scene->mNumMaterials ? &m->textures[face->material] : NULL;
+    const bool known = m->textures && face->material < m->scene->mNumMaterials;
+    const struct mesh_texture *t = known ? &m->textures[face->material] : NULL;
     struct vec3 mean;
     if (mesh->mColors[0]) out.is = true, out.c = of_corners(face->part, face->face);
     if (!t || !t->picture || !t->picture->im.rgba || !mesh->mTextureCoords[t->set]) return out;

@@ -6,7 +6,7 @@
 
 #include <setjmp.h>
 #include <stdlib.h>
-/* It needs stdio.h, of base.h. */
+/* It needs FILE, which base.h brings. */
 #include <jpeglib.h>
 
 #define SCANS_MAX 200 /* of a progressive picture; encoders write about ten */

@@ -32,8 +32,8 @@ static const struct mesh_loss names[LOSSES + 1] = {
          "are not there, or with over 1000000",
             "left out", 0},
     [LOSS_FLAT_FACES] = {"faces without area", "left out", 0},
-    [LOSS_FAR] = {"meshes so far from their origin that libassimp's single precision may move corners "
-                  "by 1/20000 of the extent or more",
+    [LOSS_FAR] = {"meshes so far from their origin that libassimp's single precision may move "
+                  "corners by 1/20000 of the extent or more",
         "written as they are read", 0},
     [LOSS_BAD_NORMALS] = {"faces with normals that are no direction", "written without them", 0},
 };

@@ -18,8 +18,9 @@ struct mesh_options {
 struct mesh;
 
 /*
- * Reads path, or standard input if it is "-"; path must stay. Returns NULL with a message in err, without the name
- * of the file, if it cannot be read, is no such file, has no face with an area, or is too large.
+ * Reads path, or standard input if it is "-"; path must stay. Returns NULL with a message in err,
+ * without the name of the file, if it cannot be read, is no such file, has no face with an area, or
+ * is too large.
  */
 struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[ERR_BYTES]);
 void mesh_close(struct mesh *m);

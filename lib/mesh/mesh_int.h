@@ -75,8 +75,11 @@ static inline struct vec3 mesh_vec(struct aiVector3D v)
 }
 /* True if the length has a direction: neither 0 nor infinite nor NaN. */
 static inline bool mesh_is_length(double length) { return length > 1e-30 && length < 1e30; }
-/* True if single precision moves a point this far from the origin by 1/20,000 of the extent or more. */
-static inline bool mesh_is_far(double away, double extent) { return away * 0x1p-24 > extent / 20000; }
+/* True if single precision may move a point this far away by 1/20,000 of the extent or more. */
+static inline bool mesh_is_far(double away, double extent)
+{
+    return away * 0x1p-24 > extent / 20000;
+}
 /* True if v is finite and within the bounds of coordinates. */
 static inline bool mesh_is_place(struct vec3 v)
 {
@@ -124,13 +127,13 @@ struct mesh {
     struct mesh_picture **pictures;
     size_t n_pictures;
     uint64_t picture_room_px; /* for those that are not read yet */
-    struct vec3 lo, hi;                              /* bounds of the faces */
-    int digits; /* of coordinates far from the origin; 0: single precision will do */
+    struct vec3 lo, hi;       /* bounds of the faces */
+    int digits;               /* of coordinates far from the origin; 0: single precision will do */
     struct view view;
     struct light *lights; /* own_colour is set */
     uint32_t n_lights;
     struct mesh_loss loss[LOSSES + 1];
-    char turned[128]; /* what mesh_turned returns */
+    char turned[128];     /* what mesh_turned returns */
     char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */

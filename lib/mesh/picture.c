@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static bool fail(char err[IMAGE_ERR], const char *what)
 {
@@ -61,9 +62,12 @@ bool mesh_picture_decode(const unsigned char *p, size_t n, struct image *im, cha
 bool mesh_picture_read(const char *path, struct image *im, char err[IMAGE_ERR])
 {
     struct buf b = {0};
-    const bool read = read_file(path, &b) == 0;
-    bool ok = read ? mesh_picture_decode(buf_data(&b), buf_size(&b), im, err)
-                   : fail(err, strerror(errno));
+    struct stat st;
+    if (stat(path, &st) != 0) return fail(err, strerror(errno));
+    if (!S_ISREG(st.st_mode)) return fail(err, "is no file, expected a picture");
+    const bool ok = read_file(path, &b) == 0
+                        ? mesh_picture_decode(buf_data(&b), buf_size(&b), im, err)
+                        : fail(err, strerror(errno));
     buf_free(&b);
     return ok;
 }

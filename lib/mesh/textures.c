@@ -79,8 +79,8 @@ static const struct mesh_picture *picture_of(struct mesh *m, const char *name)
 }
 
 /* Only moved and scaled pictures are placed right: libassimp's turns are about another point. */
-static bool take_transform(const struct aiMaterial *from, enum aiTextureType type,
-    struct mesh_texture *t)
+static bool take_transform(
+    const struct aiMaterial *from, enum aiTextureType type, struct mesh_texture *t)
 {
     struct aiUVTransform by;
     t->scale[0] = t->scale[1] = 1;
