@@ -92,7 +92,7 @@ PANGO         = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags pangocairo
 FLAGS_paint/paint = $(PANGO)
 FLAGS_paint/text  = $(PANGO)
 LIBS_tsvstat  = -lgsl -lgslcblas
-LIBS_mesh2nff = -lassimp
+LIBS_mesh2nff = -lassimp $(if $(JPEG),-ljpeg)
 LIBS_stormview = -lSDL2 $(LIBS_paint)
 LIBS_vol2vtk  = -lexpat
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
@@ -114,6 +114,8 @@ UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 PROJ    := $(if $(call lacks,proj.h,-),,libproj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
+# Without this one, mesh2nff reads no textures in JPEG. It needs stdio.h before it.
+JPEG    := $(if $(call lacks,stdio.h -include jpeglib.h,-),,jpeg)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
@@ -126,15 +128,17 @@ NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
            lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
-           lib/projection/$(if $(PROJ),none,libproj).c \
+           lib/projection/$(if $(PROJ),none,libproj).c lib/mesh/$(if $(JPEG),none,jpeg).c \
            lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
 LIBS_fuzz_voxel = $(LIBS_vol2vtk)
+LIBS_fuzz_command = $(LIBS_stormview)
 LIBS_test_files = $(LIBS_pack)
-FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(NO:%=tests/fuzz/fuzz_%.c) $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c) \
+           $(if $(filter window paint,$(NO)),tests/fuzz/fuzz_command.c),$(wildcard tests/fuzz/fuzz_*.c)))
 # With CDPATH, `cd` may go elsewhere, and prints where.
 unexport CDPATH
 # What tests and measurements run: these programs.
@@ -176,6 +180,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 	$(if $(UDUNITS),,@echo "make: nc2vtk, grib2vtk and barbs convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
 	$(if $(PROJ),,@echo "make: planes of projection are not used by nc2vtk and grib2vtk, and have no coasts: libproj-dev is missing" >&2)
+	$(if $(JPEG),,@echo "make: mesh2nff reads no textures in JPEG: libjpeg-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

@@ -10,15 +10,17 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-hz] [-s WxH] FILE|-";
+static const char usage_text[] = "[-htz] [-s WxH] FILE|-";
 
-static struct mesh_options parse(int argc, char **argv)
+static struct mesh_options parse(int argc, char **argv, bool *textures)
 {
     struct mesh_options o = {.z_up = false};
     int w = 0, h = 0;
-    for (int c; (c = prog_getopt(argc, argv, "hs:z")) != -1;) switch (c) {
+    *textures = false;
+    for (int c; (c = prog_getopt(argc, argv, "hs:tz")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 's': opt_size(c, optarg, 65535, &w, &h); break;
+        case 't': *textures = true; break;
         case 'z': o.z_up = true; break;
         default: usage(ST_USAGE, usage_text);
         }
@@ -76,7 +78,8 @@ int main(int argc, char **argv)
 {
     char err[ERR_BYTES];
     prog_init(argv[0]);
-    struct mesh_options o = parse(argc, argv);
+    bool textures;
+    struct mesh_options o = parse(argc, argv, &textures);
     const char *path = argv[optind], *name = strcmp(path, "-") == 0 ? "stdin" : path;
     /* A stack of its own, because a deep tree may use up the other. */
     void *stack = xmalloc(1, STACK_BYTES);
@@ -84,9 +87,12 @@ int main(int argc, char **argv)
     struct mesh *m = mesh_open(path, &o, err);
     guard(path, name, false, 0);
     if (!m) die(ST_USAGE, "%s: %s", name, err);
+    if (textures) mesh_take_textures(m);
     for (const struct mesh_loss *l = mesh_losses(m); l->what; l++)
         if (l->n) warn("%s: %s: %llu, %s", name, l->what, (unsigned long long)l->n, l->outcome);
-    mesh_write(m, stdout);
+    if (*mesh_turned(m)) warn("%s: %s", name, mesh_turned(m));
+    const uint32_t colours = mesh_write(m, stdout);
+    if (textures) warn("%s: colours of textures: %u, at most 2.5/255 of sRGB off", name, colours);
     mesh_close(m);
     os_signal_stack(NULL, 0);
     free(stack);

@@ -26,7 +26,7 @@ inference table stats base
 scene geometry base
 spd scene geometry base
 simd base
-mesh scene geometry base
+mesh scene geometry image task base
 trace simd scene geometry image task base os
 html base
 album html image task base
@@ -251,7 +251,7 @@ beyond="$beyond|reallocarray|sched_[gs]etaffinity|signalfd|sigaltstack|sincos|sp
 beyond="$beyond|strverscmp|syscall|timegm|timerfd_[a-z]+|usleep|wait[34]|le(16|32|64)toh|htole(16|32|64)"
 headers='arpa/inet|ctype|dirent|errno|fcntl|float|inttypes|limits|math|poll|pthread|setjmp|signal|std(arg|bool|def|int|io|lib)'
 headers="$headers|strings?|sys/(mman|resource|stat|statvfs|time|types|uio|utsname|wait)|time|unistd"
-headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|proj|archive(_entry)?|expat|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|SDL2/SDL|immintrin|cpuid|cmocka"
+headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|proj|archive(_entry)?|expat|jpeglib|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|pango/pangocairo|SDL2/SDL|immintrin|cpuid|cmocka"
 # shellcheck disable=SC2046,SC2086
 {
 	ours="$(printf '%s\n' $lib | grep -vE '^lib/(os/linux|crop/confine)\.c$') $(echo bin/*.c)"
@@ -458,6 +458,7 @@ rows() { sed -n "/$2/,/;/p" "$1" | grep -oE "${3-}[{]\"[^\"]+\"" | cut -d '"' -f
 	unseeded spec '^@ ' $(rows lib/spec/spec.c '= {"from"' '= ')
 	unseeded nff '(^| )@( |$)' $(rows lib/scene/nff_read.c '^} entities')
 	unseeded grid ' @( 1)?$' $(rows lib/grid/vtk_type.c '^const struct vtk_type')
+	unseeded command '^(..)?@( |$)' hello up gone frame frag fail bye done beat drain
 	unseeded image '^@' P5 P6 P7 PF Pf
 	for type in 0 2 3 4 6; do
 		for seed in tests/fuzz/corpus/image/*.png; do od -An -tu1 -j25 -N1 "$seed"; done | grep -qw "$type" || echo "image: no PNG of type $type"

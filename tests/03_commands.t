@@ -33,7 +33,7 @@ plain=$(mktemp -d /tmp/commands.XXXXXX) && other=$plain/other || exit 3
 trap 'rm -rf "$tmp" "$plain"' EXIT
 mkdir include
 mkdir include/gsl include/assimp include/pango include/SDL2
-for header in stdio png zlib zstd archive udunits2 proj eccodes expat gsl/gsl_cdf assimp/cimport pango/pangocairo SDL2/SDL; do : >include/$header.h; done
+for header in stdio png zlib zstd archive jpeglib udunits2 proj eccodes expat gsl/gsl_cdf assimp/cimport pango/pangocairo SDL2/SDL; do : >include/$header.h; done
 cat >"$plain/cc" <<END
 #!/bin/sh
 output='' before=''

@@ -205,6 +205,50 @@ run mesh2nff mirror.gltf
 is 'a mirrored patch: normals on the mirrored side, corners in their order' "$(faces | grep '^pp')" \
 	'pp 3 0 0 0 -0.35112345 0.9363292 0 0 1 0 0 0 1 -2 0 0 0 0 1'
 
+# ---- axes and units ------------------------------------------------------------------------------------------
+# A triangle of 1 to the right and 2 upwards, where z is up.
+# fbx FRONT SIGN: that axis is the front
+fbx() {
+	printf '; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\nGlobalSettings: {\nProperties70: {\n'
+	printf 'P: "%s", "int", "Integer", "",%d\n' UpAxis 2 UpAxisSign 1 FrontAxis "$1" FrontAxisSign "$2" CoordAxis 0 CoordAxisSign 1
+	cat <<-END
+		P: "UnitScaleFactor", "double", "Number", "",100
+		}
+		}
+		Definitions: {
+		Count: 2
+		}
+		Objects: {
+		Geometry: 1001, "Geometry::t", "Mesh" {
+		Vertices: *9 {
+		a: 0,0,0,1,0,0,0,0,2
+		}
+		PolygonVertexIndex: *3 {
+		a: 0,1,-3
+		}
+		GeometryVersion: 124
+		}
+		Model: 1002, "Model::t", "Mesh" {
+		Version: 232
+		}
+		}
+		Connections: {
+		C: "OO",1002,0
+		C: "OO",1001,1002
+		}
+	END
+}
+fbx 1 -1 >z.fbx
+run mesh2nff z.fbx
+is 'FBX is turned and scaled' "$status:$(faces | grep '^p'):$(after up)" '0:p 3 0 0 0 1 0 0 0 2 0:0 1 0'
+is 'and that is told' "$err" 'mesh2nff: z.fbx: z is up in the file, y in the scene'
+sed 's/"",100/"",2.54/' z.fbx >inch.fbx
+run mesh2nff inch.fbx
+is 'FBX in inches' "$err:$(faces | grep '^p')" \
+	'mesh2nff: inch.fbx: z is up in the file, y in the scene; units of 0.0254 m in the file, metres in the scene:p 3 0 0 0 0.0254 0 0 0 0.0508 0'
+fbx 1 1 >left.fbx
+is 'left-handed axes of FBX are ignored' "$(mesh2nff left.fbx 2>err | grep '^p'; cat err)" 'p 3 0 0 0 1 0 0 0 0 2'
+
 # ---- cameras and lights --------------------------------------------------------------------------------------
 lens='"cameras": [{"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]'
 gltf '{"mesh": 0, "children": [1, 2]}, {"camera": 0, "matrix": [0,0,-1,0, 0,1,0,0, 1,0,0,0, 5,0.5,0,1]}, {"camera": 1, "translation": [0, 0, 4]}' "$paint, $lens" >camera.gltf
@@ -383,6 +427,85 @@ p 3 0 0 0 1 0 0 0 1 0
 f $(third 10) $(third 10) $(third 10) 1 0 0 0 1
 p 3 1 0 0 1 1 0 0 1 0
 p 3 1 0 0 0 1 0 1 1 0"
+# ---- textures ------------------------------------------------------------------------------------------------
+# Red, green; blue, white.
+{ printf 'P6 2 2 255\n'; packed 'C*' 255 0 0 0 255 0 0 0 255 255 255 255; } >quarters.ppm
+blend -k 8 -o quarters.png quarters.ppm
+{ printf 'newmtl quarters\nKd 1 1 0.5\nmap_Kd quarters.png\n'; printf 'newmtl grey\nmap_Kd C:\\pictures\\quarters.png\n'; } >textured.mtl
+cat >textured.obj <<'END'
+mtllib textured.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0.25 0.75
+vt 0.75 0.75
+vt 0.25 0.25
+vt 3.75 -0.75
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+usemtl quarters
+f 1/1 2/1 3/1
+f 1/2 2/2 3/2
+f 1/3 2/3 3/3
+f 1/4 2/4 3/4
+f 1/5 2/6 3/7 4/8
+usemtl grey
+f 1/4 2/4 3/4
+END
+run mesh2nff -t textured.obj
+is '-t: each face has the mean of its texture, times the colour of the material' "$status:$(faces | grep '^f')" '0:f 1 0 0 1 0 0 0 1
+f 0 1 0 1 0 0 0 1
+f 0 0 0.5 1 0 0 0 1
+f 1 1 0.5 1 0 0 0 1
+f 0.5149177 0.5149177 0.25745884 1 0 0 0 1
+f 1 1 1 1 0 0 0 1'
+is '-t: the count of colours is told' "$err" 'mesh2nff: textured.obj: colours of textures: 5, at most 2.5/255 of sRGB off'
+# A grey of 188 in 8 bits is .5029 of the light; the nearest step is 190.
+{ printf 'P6 1500 3 255\n'; packed 'C*' 188 188 188 | perl -e '$_ = <>; print $_ x 4500'; } >wide.ppm
+sed 's/quarters.png/wide.ppm/' textured.mtl >wide.mtl
+sed 's/textured/wide/' textured.obj >wide.obj
+is '-t: a large picture, in steps' "$(mesh2nff -t wide.obj 2>err | grep '^f ' | sort -u | tr '\n' ';')" \
+	'f 0.5149177 0.5149177 0.25745884 1 0 0 0 1;f 0.5149177 0.5149177 0.5149177 1 0 0 0 1;'
+jpeg=/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAMCAgMCAgMDAwMEAwMEBQgFBQQEBQoHBwYIDAoMDAsKCwsNDhIQDQ4RDgsLEBYQERMUFRUVDA8XGBYUGBIUFRT/2wBDAQMEBAUEBQkFBQkUDQsNFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBT/wAARCAAIAAgDAREAAhEBAxEB/8QAFAABAAAAAAAAAAAAAAAAAAAABP/EABQQAQAAAAAAAAAAAAAAAAAAAAD/xAAVAQEBAAAAAAAAAAAAAAAAAAAHCP/EABQRAQAAAAAAAAAAAAAAAAAAAAD/2gAMAwEAAhEDEQA/ACA9SD//2Q==
+# The same in glTF, within the file, whose pictures begin at the top; scaled and moved to the white quarter.
+cat >textured.gltf <<END
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"extensionsUsed": ["KHR_texture_transform"],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0},
+	{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 1}, {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 2}]}],
+"materials": [{"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [1, 1, 0.5, 1], "baseColorTexture": {"index": 0}},
+		"normalTexture": {"index": 0}},
+	{"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0, "extensions":
+		{"KHR_texture_transform": {"offset": [0.5, 0.5], "scale": [0.5, 0.5]}}}}},
+	{"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 1}}}],
+"textures": [{"source": 0}, {"source": 1}], "images": [{"uri": "data:image/png;base64,$(base64 -w 0 quarters.png)"},
+	{"uri": "data:image/jpeg;base64,$jpeg"}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+	{"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}],
+"bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
+"buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,$(
+	packed 'f<*' 0 0 0 1 0 0 0 1 0 0.6 0.1 0.9 0.1 0.9 0.4 | base64 -w 0)"}]}
+END
+run mesh2nff -t textured.gltf
+if printf '%s\n' "$err" | grep -q 'which this build cannot read'; then
+	skip 'a texture in JPEG' 'libjpeg-dev is not there'
+else
+	is '-t: glTF, its pictures within it, one moved, one in JPEG' "$status:$(faces | grep '^f')" '0:f 0 1 0 1 0 0 0 1
+f 1 1 1 1 0 0 0 1
+f 0.57758045 0.12743768 0.031896032 1 0 0 0 1'
+fi
+like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials with textures besides the base colour's: 1, written without them"
+sed 's/quarters.png/none.png/' textured.mtl >wide.mtl
+like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
+	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"
+head -c 60 quarters.png >torn.png
+is '-t: a device that is no file' "$(sed 's/quarters.png/\/dev\/zero/' textured.mtl >wide.mtl; mesh2nff -t wide.obj 2>&1 >a | grep -c '/dev/zero: is no file')" 1
+sed 's/quarters.png/torn.png/' textured.mtl >wide.mtl
+like '-t: a damaged one' "$(mesh2nff -t wide.obj 2>&1 >a)" 'torn.png: .*PNG'
+
 sed 's/ 0 0.6 0.8$/ 0 nan 0.8/' text.ply >normals.ply
 run mesh2nff normals.ply
 like 'normals that are no numbers are named' "$err" 'faces with normals that are no direction: 2, written without them$'
@@ -405,6 +528,10 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 	printf 'v 0 0 0\nv 1.e0 0 0\nv 0 +1 0\nf 1 2 3\n' >signs.obj
 	printf "$triangle_of"'f 1 2 4\n' >beyond.obj
 	printf "$triangle_of"'f 0 1 2\n' >zeroth.obj
+	printf "$triangle_of"'v 1 1 0\nv 2 0.5 0\nf 1 2 5 4 3\n' >ngon.obj
+	printf "$triangle_of"'v 0.25 0.25 0\nf 1 2 4 3\n' >concave.obj
+	printf "$triangle_of"'v 2 0 0\nf 1 2 4\nf 1 2 3\nf 3 3 1\n' >flat.obj
+	printf 'o an object\ng a group\n'"$triangle_of"'f 1 2 3\n' >'an object.obj'
 	printf 'v 1000000 1000000 0\nv 1000001 1000000 0\nv 1000000 1000001 0\nf 1 2 3\n' >far.obj
 }
 { printf '%s\n' ply 'format binary_big_endian 1.0' 'obj_info made by hand' 'element vertex 3' 'property float x' 'property float y' \
@@ -438,7 +565,11 @@ slashes.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 unended.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 groups.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 signs.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
-far.obj|0:f 1 1 1 1 0 0 0 1;p 3 1000000 1000000 0 1000001 1000000 0 1000000 1000001 0;
+ngon.obj|0:f 1 1 1 1 0 0 0 1;p 5 0 0 0 1 0 0 2 0.5 0 1 1 0 0 1 0;
+concave.obj|0:f 1 1 1 1 0 0 0 1;p 4 0 0 0 1 0 0 0.25 0.25 0 0 1 0;
+flat.obj|0:mesh2nff: flat.obj: faces without area: 2, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+an object.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+far.obj|0:mesh2nff: far.obj: meshes so far from their origin that libassimp's single precision may move corners by 1/20000 of the extent or more: 1, written as they are readf 1 1 1 1 0 0 0 1;p 3 1000000 1000000 0 1000001 1000000 0 1000000 1000001 0;
 big.ply|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 solid.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 sparse.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -449,6 +580,22 @@ run mesh2nff draco.gltf
 like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
 run sh -c 'mesh2nff - <marked.obj'
 is 'a mark on standard input' "$status:$err$(faces | tail -n 1)" '0:p 3 0 0 0 1 0 0 0 1 0'
+
+# ---- far scenes ----------------------------------------------------------------------------------------------
+# picture MESH: in single precision, with the view and lights that mesh2nff chooses
+picture() { mesh2nff -s 60x60 "$1" >p.nff && partition 60x60 | rtworker p.nff | gather -o "$2"; }
+triangles='0 0 0 1 0 0 0 1 0.5 1 1 1'
+for d in 0 1000 1000000; do
+	# shellcheck disable=SC2086  # a number each
+	printf '%s %s %s\n' $triangles | awk -v d=$d '{ printf "v %.9g %.9g %.9g\n", $1 + d, $2 - d, $3 + 2 * d } END { print "f 1 2 3\nf 2 4 3" }' >away$d.obj
+	gltf "{\"mesh\": 0, \"translation\": [$d.5, -$d, $d]}" "$paint" >away$d.gltf
+	picture away$d.obj o$d.pfm 2>err
+	picture away$d.gltf g$d.pfm 2>>err
+done
+for d in 1000 1000000; do
+	ok "a scene $d away is rendered as one at the origin" imgcmp -r 1e-6 -t 1e-4 o0.pfm o$d.pfm
+	ok "a node $d away likewise" imgcmp -r 1e-6 -t 1e-4 g0.pfm g$d.pfm
+done
 
 # ---- refused -------------------------------------------------------------------------------------------------
 # refused FILE WHY: exit 2 with one line, nothing on standard output

@@ -22,20 +22,13 @@ static void make_room(struct scratch *s, uint32_t n)
     s->normal = xrealloc(s->normal, s->room, sizeof *s->normal);
 }
 
-/* The vertex of corner i. In a mirrored mesh the order is reversed behind the first corner, so that
- * it still runs counterclockwise about the side to which the normals point. */
-static unsigned index_of(const struct mesh_part *p, const struct aiFace *f, unsigned i)
-{
-    return f->mIndices[p->mirrors && i > 0 ? f->mNumIndices - i : i];
-}
-
 /* False if a corner is not there, not finite or too far away. */
 static bool corners(const struct mesh_part *p, const struct aiFace *f, struct scratch *s)
 {
     if (f->mNumIndices > MESH_CORNERS_MAX) return false;
     make_room(s, f->mNumIndices);
     for (unsigned i = 0; i < f->mNumIndices; i++) {
-        unsigned at = index_of(p, f, i);
+        unsigned at = mesh_vertex(p, f, i);
         if (at >= p->mesh->mNumVertices) return false;
         s->v[i] = mesh_frame_point(&p->frame, mesh_vec(p->mesh->mVertices[at]));
         if (!mesh_is_place(s->v[i])) return false;
@@ -62,7 +55,7 @@ static enum normals normals(
     enum normals kind = NORMALS_FLAT;
     if (!p->mesh->mNormals) return NORMALS_FLAT;
     for (unsigned i = 0; i < f->mNumIndices; i++) {
-        struct vec3 n = mesh_vec(p->mesh->mNormals[index_of(p, f, i)]);
+        struct vec3 n = mesh_vec(p->mesh->mNormals[mesh_vertex(p, f, i)]);
         n = v3(v3_dot(c[0], n), v3_dot(c[1], n), v3_dot(c[2], n));
         double length = v3_len(n);
         if (length == 0) return NORMALS_FLAT; /* libassimp fills in what a face lacks */
@@ -71,25 +64,6 @@ static enum normals normals(
         if (fabs(v3_dot(s->normal[i], own)) < FLAT_COSINE) kind = NORMALS_BENT;
     }
     return kind;
-}
-
-/* A component in steps; 1 if it is no number. */
-static double stepped(double c)
-{
-    c = isnan(c) ? 1 : fmin(fmax(c, 0), 1);
-    return rint(c * MESH_COLOUR_STEPS) / MESH_COLOUR_STEPS;
-}
-
-/* NFF has one colour for a face: the mean of its corners. */
-static struct vec3 colour(const struct mesh_part *p, const struct aiFace *f)
-{
-    struct vec3 sum = v3(0, 0, 0);
-    for (unsigned i = 0; i < f->mNumIndices; i++) {
-        const struct aiColor4D *c = &p->mesh->mColors[0][f->mIndices[i]];
-        sum = v3_add(sum, v3((double)c->r, (double)c->g, (double)c->b));
-    }
-    sum = v3_scale(sum, 1. / f->mNumIndices);
-    return v3(stepped(sum.x), stepped(sum.y), stepped(sum.z));
 }
 
 static void count(struct mesh_loss *loss, enum mesh_loss_kind kind)
@@ -122,8 +96,9 @@ static bool make(const struct mesh_part *p, const struct aiFace *f, struct mesh_
         .v = s->v,
         .normals = kind == NORMALS_BENT ? s->normal : NULL,
         .normal = normal,
-        .coloured = p->mesh->mColors[0] != NULL};
-    if (out->coloured) out->colour = colour(p, f);
+        .material = p->mesh->mMaterialIndex,
+        .part = p,
+        .face = f};
     return true;
 }
 
@@ -135,9 +110,7 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
         const struct mesh_part *p = &m->parts[i];
         for (unsigned k = 0; k < p->mesh->mNumFaces; k++) {
             struct mesh_face face;
-            if (!make(p, &p->mesh->mFaces[k], loss, &s, &face)) continue;
-            face.material = p->mesh->mMaterialIndex;
-            f(ctx, &face);
+            if (make(p, &p->mesh->mFaces[k], loss, &s, &face)) f(ctx, &face);
         }
     }
     free(s.v);

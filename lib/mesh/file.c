@@ -190,10 +190,13 @@ struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[
 {
     struct mesh *m = xcalloc(1, sizeof *m);
     m->o = *o;
+    m->path = path;
+    m->picture_room_px = MESH_PICTURES_PX_MAX;
     bool ok = import_noted(path, m, err);
     if (ok) mesh_losses_find(m);
     ok = ok && mesh_parts_find(m, err) && measure(m, err);
     if (ok) {
+        mesh_find_far(m);
         mesh_materials_find(m);
         mesh_view_find(m);
         mesh_lights_find(m);
@@ -206,6 +209,7 @@ struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[
 void mesh_close(struct mesh *m)
 {
     if (m->scene) aiReleaseImport(m->scene);
+    mesh_textures_free(m);
     free(m->parts);
     free(m->light_places);
     free(m->camera_places);
@@ -214,4 +218,5 @@ void mesh_close(struct mesh *m)
     free(m);
 }
 
+const char *mesh_turned(const struct mesh *m) { return m->turned; }
 const struct mesh_loss *mesh_losses(const struct mesh *m) { return m->loss; }

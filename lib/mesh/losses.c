@@ -6,6 +6,10 @@
 static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_LIBRARIES] = {"files of materials that are not there", "their materials are grey", 0},
     [LOSS_TEXTURES] = {"materials with textures", "written without them", 0},
+    [LOSS_PICTURES] = {"pictures of textures that cannot be read",
+        "their faces have the material's colour", 0},
+    [LOSS_MAPPINGS] = {"materials with textures that are turned or not placed by coordinates",
+        "written without them", 0},
     [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
     [LOSS_COLOURS] = {"meshes with colours at their vertices", "each face has their mean", 0},
@@ -28,23 +32,14 @@ static const struct mesh_loss names[LOSSES + 1] = {
          "are not there, or with over 1000000",
             "left out", 0},
     [LOSS_FLAT_FACES] = {"faces without area", "left out", 0},
+    [LOSS_FAR] = {"meshes so far from their origin that libassimp's single precision may move "
+                  "corners by 1/20000 of the extent or more",
+        "written as they are read", 0},
     [LOSS_BAD_NORMALS] = {"faces with normals that are no direction", "written without them", 0},
 };
 
-/* True if the name of libassimp's reader begins with this. */
-static bool is_read_by(const struct mesh *m, const char *name)
-{
-    const struct aiMetadata *data = m->scene->mMetaData;
-    for (unsigned i = 0; data && i < data->mNumProperties; i++) {
-        if (strcmp(data->mKeys[i].data, "SourceAsset_Format") != 0) continue;
-        const struct aiMetadataEntry *e = &data->mValues[i];
-        return e->mType == AI_AISTRING &&
-               strncmp(((const struct aiString *)e->mData)->data, name, strlen(name)) == 0;
-    }
-    return false;
-}
-bool mesh_is_gltf(const struct mesh *m) { return is_read_by(m, "glTF2"); }
-bool mesh_is_gltf1(const struct mesh *m) { return is_read_by(m, "glTF "); }
+bool mesh_is_gltf(const struct mesh *m) { return mesh_is_read_by(m, "glTF2"); }
+bool mesh_is_gltf1(const struct mesh *m) { return mesh_is_read_by(m, "glTF "); }
 
 void mesh_losses_find(struct mesh *m)
 {

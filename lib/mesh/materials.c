@@ -82,13 +82,24 @@ static bool has_texture(const struct aiMaterial *m)
     return false;
 }
 
+void mesh_material_textured(struct material *m)
+{
+    if ((float)m->r == .6F && (float)m->g == .6F && (float)m->b == .6F) m->r = m->g = m->b = 1;
+}
+
+bool *mesh_materials_used(const struct mesh *m)
+{
+    const unsigned n = m->scene->mNumMaterials;
+    bool *used = xcalloc(n + 1, sizeof *used);
+    for (size_t i = 0; i < m->n_parts; i++)
+        if (m->parts[i].mesh->mMaterialIndex < n) used[m->parts[i].mesh->mMaterialIndex] = true;
+    return used;
+}
+
 void mesh_materials_find(struct mesh *m)
 {
     const struct aiScene *s = m->scene;
-    bool *used = xcalloc(s->mNumMaterials + 1, sizeof *used);
-    for (size_t i = 0; i < m->n_parts; i++)
-        if (m->parts[i].mesh->mMaterialIndex < s->mNumMaterials)
-            used[m->parts[i].mesh->mMaterialIndex] = true;
+    bool *used = mesh_materials_used(m);
     m->materials = xcalloc(s->mNumMaterials + 1, sizeof *m->materials);
     for (unsigned i = 0; i < s->mNumMaterials; i++) {
         const struct aiMaterial *from = s->mMaterials[i];

@@ -2,8 +2,8 @@
  * mesh: the meshes, materials, camera and lights of a file that libassimp reads, as an NFF scene.
  * What the page mesh2nff(1) says of mapping, limits and losses is done here.
  *
- * Call order: mesh_open, which reads and checks everything; then mesh_losses and mesh_write in any
- * order; mesh_close.
+ * Call order: mesh_open, which reads and checks everything; mesh_take_textures if textures are to
+ * become colours; then mesh_losses and mesh_write in any order; mesh_close.
  */
 #ifndef STORMRING_MESH_H
 #define STORMRING_MESH_H
@@ -18,11 +18,15 @@ struct mesh_options {
 struct mesh;
 
 /*
- * Reads path, or standard input if it is "-". Returns NULL with a message in err, without the name
- * of the file, if it cannot be read, is no such file, has no face with an area, or is too large.
+ * Reads path, or standard input if it is "-"; path must stay. Returns NULL with a message in err,
+ * without the name of the file, if it cannot be read, is no such file, has no face with an area, or
+ * is too large.
  */
 struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[ERR_BYTES]);
 void mesh_close(struct mesh *m);
+
+/* Reads the pictures of base colours, whose colours the faces get. */
+void mesh_take_textures(struct mesh *m);
 
 /* Parts of the file that NFF cannot hold, or that are unusable. */
 struct mesh_loss {
@@ -32,8 +36,12 @@ struct mesh_loss {
 /* All kinds, up to the first without `what`; n is 0 where nothing was lost. */
 const struct mesh_loss *mesh_losses(const struct mesh *m);
 
-/* Writes the scene. f's error flag reports lost output. */
-void mesh_write(const struct mesh *m, FILE *f);
+/* How the scene's axes and unit differ from those that the file states; "": not. */
+const char *mesh_turned(const struct mesh *m);
+
+/* Writes the scene. Returns how many colours of textures it has. f's error flag reports lost
+ * output. */
+uint32_t mesh_write(const struct mesh *m, FILE *f);
 
 /*
  * Writes the shortest decimal that reads back as v (to double, then to float), without a final

@@ -3,8 +3,10 @@
 #define STORMRING_MESH_INT_H
 
 #include "mesh/mesh.h"
+#include "mesh/picture.h"
 #include "scene/scene.h"
 
+#include <assimp/material.h>
 #include <assimp/scene.h>
 
 #define MESH_COORDINATE_MAX 1e12  /* leaves room for far lights within NFF's 1e18 */
@@ -15,6 +17,8 @@
 enum mesh_loss_kind {
     LOSS_LIBRARIES,
     LOSS_TEXTURES,
+    LOSS_PICTURES,
+    LOSS_MAPPINGS,
     LOSS_EMISSION,
     LOSS_METAL,
     LOSS_COLOURS,
@@ -33,6 +37,7 @@ enum mesh_loss_kind {
     LOSS_BAD_FACES,
     LOSS_FLAT_FACES,
     LOSS_BAD_NORMALS,
+    LOSS_FAR,
     LOSSES
 };
 
@@ -54,12 +59,27 @@ static inline struct vec3 mesh_frame_vector(const struct mesh_frame *f, struct v
         m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
         m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z);
 }
+static inline struct vec3 mesh_row(const struct mesh_frame *f, int i)
+{
+    return v3(f->m[i][0], f->m[i][1], f->m[i][2]);
+}
+static inline struct mesh_frame mesh_frame_of(const struct aiMatrix4x4 *b)
+{
+    return (struct mesh_frame){{{(double)b->a1, (double)b->a2, (double)b->a3, (double)b->a4},
+        {(double)b->b1, (double)b->b2, (double)b->b3, (double)b->b4},
+        {(double)b->c1, (double)b->c2, (double)b->c3, (double)b->c4}}};
+}
 static inline struct vec3 mesh_vec(struct aiVector3D v)
 {
     return v3((double)v.x, (double)v.y, (double)v.z);
 }
 /* True if the length has a direction: neither 0 nor infinite nor NaN. */
 static inline bool mesh_is_length(double length) { return length > 1e-30 && length < 1e30; }
+/* True if single precision may move a point this far away by 1/20,000 of the extent or more. */
+static inline bool mesh_is_far(double away, double extent)
+{
+    return away * 0x1p-24 > extent / 20000;
+}
 /* True if v is finite and within the bounds of coordinates. */
 static inline bool mesh_is_place(struct vec3 v)
 {
@@ -82,18 +102,39 @@ struct mesh_place {
     bool bare;  /* they have no meshes */
 };
 
+/* A file or texture within the mesh. */
+struct mesh_picture {
+    char *name;
+    struct image im; /* rgba is NULL if it cannot be read */
+};
+/* The base colour's picture of a material, and how corners' coordinates become places in it. */
+struct mesh_texture {
+    const struct mesh_picture *picture; /* NULL: none */
+    unsigned set;                       /* of texture coordinates */
+    enum aiTextureMapMode wrap[2];
+    double scale[2], move[2];
+};
+
 struct mesh {
     const struct aiScene *scene;
+    const char *path; /* the caller's; pictures are looked for beside it */
     struct mesh_options o;
     struct mesh_part *parts;
     size_t n_parts;
     struct mesh_place *light_places, *camera_places; /* as many as the scene's */
     struct material *materials;                      /* likewise */
-    struct vec3 lo, hi;                              /* bounds of the faces */
+    struct mesh_texture *textures;                   /* likewise; NULL: they are not asked for */
+    struct mesh_picture **pictures;
+    size_t n_pictures;
+    uint64_t picture_room_px; /* for those that are not read yet */
+    struct vec3 lo, hi;       /* bounds of the faces */
+    int digits;               /* of coordinates far from the origin; 0: single precision will do */
     struct view view;
     struct light *lights; /* own_colour is set */
     uint32_t n_lights;
     struct mesh_loss loss[LOSSES + 1];
+    char turned[128];     /* what mesh_turned returns */
+    char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
@@ -110,10 +151,15 @@ struct mesh_face {
     const struct vec3 *normals; /* unit; NULL: the face is flat */
     struct vec3 normal;         /* unit, of its plane (Newell) */
     uint32_t material;
-    bool coloured;      /* the corners have colours */
-    struct vec3 colour; /* their mean, in steps of 1 / MESH_COLOUR_STEPS */
+    const struct mesh_part *part;
+    const struct aiFace *face;
 };
-#define MESH_COLOUR_STEPS 31
+/* The vertex of corner i. In a mirrored mesh the order is reversed behind the first corner, so that
+ * it still runs counterclockwise about the side to which the normals point. */
+static inline unsigned mesh_vertex(const struct mesh_part *p, const struct aiFace *f, unsigned i)
+{
+    return f->mIndices[p->mirrors && i > 0 ? f->mNumIndices - i : i];
+}
 /* Calls f with every usable face. Counts the others in loss, unless that is NULL. */
 void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
     void (*f)(void *ctx, const struct mesh_face *face), void *ctx);
@@ -125,13 +171,34 @@ bool mesh_file_marked(const char *path);
 /* aiImportFile of a file with such a mark, which is passed over. */
 const struct aiScene *mesh_import_unmarked(const char *path);
 
+/* What the colour of a face's material is multiplied by. */
+struct mesh_colour {
+    bool is; /* the corners have colours, or the material a texture that is taken */
+    struct vec3 c;
+    uint32_t texture; /* 0: it has none; otherwise tells one colour of textures from another */
+};
+#define MESH_TEXTURE_STEPS 52 /* of a component */
+#define MESH_TEXTURE_COLOURS (MESH_TEXTURE_STEPS * MESH_TEXTURE_STEPS * MESH_TEXTURE_STEPS)
+struct mesh_colour mesh_colour_of(const struct mesh *m, const struct mesh_face *face);
+void mesh_textures_free(struct mesh *m);
+
+/* Counts meshes that libassimp cannot hold well, and chooses digits. Bounds are known. */
+void mesh_find_far(struct mesh *m);
 /* Fills the materials. */
 void mesh_materials_find(struct mesh *m);
+/* True of each that a part has; the caller frees. */
+bool *mesh_materials_used(const struct mesh *m);
+/* White, if the material has a picture and its own colour was made up by libassimp. */
+void mesh_material_textured(struct material *m);
 /* The file's view, or one that fits; the file's lights, or two. Bounds are known. */
 void mesh_view_find(struct mesh *m);
 void mesh_lights_find(struct mesh *m);
 /* Names the losses, and counts those that the scene itself tells. */
 void mesh_losses_find(struct mesh *m);
+/* The frame of the root's parent, from the axes and unit that the file states; fills turned. */
+struct mesh_frame mesh_axes(struct mesh *m);
+/* True if the name of libassimp's reader begins with this. */
+bool mesh_is_read_by(const struct mesh *m, const char *name);
 /* True if the file is glTF 2, whose lights have physical units. */
 bool mesh_is_gltf(const struct mesh *m);
 /* glTF 1, whose cameras libassimp turns backwards. */

@@ -12,29 +12,24 @@ struct stack {
         const struct aiNode *node;
         struct mesh_frame parent;
     } * at;
-    size_t n, room;
+    size_t n;
 };
 
 static void push(struct stack *s, const struct aiNode *node, const struct mesh_frame *parent)
 {
     if (!node) return;
-    if (s->n == s->room) {
-        s->room = s->room ? 2 * s->room : 64;
-        s->at = xrealloc(s->at, s->room, sizeof *s->at);
-    }
+    s->at = xgrown(s->at, s->n, sizeof *s->at);
     s->at[s->n++] = (struct entry){node, *parent};
 }
 
 static struct mesh_frame product(const struct mesh_frame *a, const struct aiMatrix4x4 *b)
 {
-    const double right[3][4] = {{(double)b->a1, (double)b->a2, (double)b->a3, (double)b->a4},
-        {(double)b->b1, (double)b->b2, (double)b->b3, (double)b->b4},
-        {(double)b->c1, (double)b->c2, (double)b->c3, (double)b->c4}};
+    const struct mesh_frame right = mesh_frame_of(b);
     struct mesh_frame out;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 4; k++)
-            out.m[i][k] = a->m[i][0] * right[0][k] + a->m[i][1] * right[1][k] +
-                          a->m[i][2] * right[2][k] + (k == 3 ? a->m[i][3] : 0);
+            out.m[i][k] = a->m[i][0] * right.m[0][k] + a->m[i][1] * right.m[1][k] +
+                          a->m[i][2] * right.m[2][k] + (k == 3 ? a->m[i][3] : 0);
     return out;
 }
 
@@ -64,18 +59,10 @@ static void place_all(struct mesh *m, const struct aiNode *node, const struct me
         if (same_name(&s->mCameras[i]->mName, &node->mName)) place(&m->camera_places[i], node, f);
 }
 
-static struct vec3 row(const struct mesh_frame *f, int i)
+static void add_part(struct mesh *m, const struct aiMesh *mesh, struct mesh_frame f)
 {
-    return v3(f->m[i][0], f->m[i][1], f->m[i][2]);
-}
-
-static void add_part(struct mesh *m, size_t *room, const struct aiMesh *mesh, struct mesh_frame f)
-{
-    if (m->n_parts == *room) {
-        *room = *room ? 2 * *room : 16;
-        m->parts = xrealloc(m->parts, *room, sizeof *m->parts);
-    }
-    struct vec3 x = row(&f, 0), y = row(&f, 1), z = row(&f, 2), yz = v3_cross(y, z);
+    m->parts = xgrown(m->parts, m->n_parts, sizeof *m->parts);
+    struct vec3 x = mesh_row(&f, 0), y = mesh_row(&f, 1), z = mesh_row(&f, 2), yz = v3_cross(y, z);
     bool mirrors = v3_dot(x, yz) < 0;
     double sign = mirrors ? -1 : 1; /* cofactors are the inverse transpose times the determinant */
     m->parts[m->n_parts++] = (struct mesh_part){mesh, f,
@@ -83,7 +70,7 @@ static void add_part(struct mesh *m, size_t *room, const struct aiMesh *mesh, st
         mirrors};
 }
 
-static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct entry *e)
+static bool visit(struct mesh *m, uint64_t *faces, const struct entry *e)
 {
     const struct aiScene *s = m->scene;
     struct mesh_frame f = product(&e->parent, &e->node->mTransformation);
@@ -93,7 +80,7 @@ static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct en
         if (at >= s->mNumMeshes) continue;
         *faces += s->mMeshes[at]->mNumFaces;
         if (*faces > MESH_FACES_MAX) return false;
-        add_part(m, room, s->mMeshes[at], f);
+        add_part(m, s->mMeshes[at], f);
     }
     return true;
 }
@@ -115,7 +102,6 @@ bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
 {
     const struct aiScene *s = m->scene;
     struct stack stack = {.n = 0};
-    size_t room = 0;
     uint64_t faces = 0;
     bool ok = true;
     if (s->mNumLights > MESH_LIGHTS_MAX || s->mNumCameras > MESH_LIGHTS_MAX)
@@ -123,11 +109,12 @@ bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
             s->mNumCameras, MESH_LIGHTS_MAX);
     m->light_places = places(s->mNumLights);
     m->camera_places = places(s->mNumCameras);
-    push(&stack, s->mRootNode, &identity);
+    const struct mesh_frame axes = mesh_axes(m);
+    push(&stack, s->mRootNode, &axes);
     while (ok && stack.n) {
         struct entry e = stack.at[--stack.n];
         struct mesh_frame f = product(&e.parent, &e.node->mTransformation);
-        ok = visit(m, &room, &faces, &e);
+        ok = visit(m, &faces, &e);
         for (unsigned i = e.node->mNumChildren; ok && i-- > 0;)
             push(&stack, e.node->mChildren[i], &f);
     }

@@ -102,8 +102,7 @@ static void fit_view(struct mesh *m)
     f.up = v3_cross(f.right, f.forward);
     f.half_h = tan(FITTED_ANGLE / 2. * PI / 180) / MARGIN;
     f.half_w = f.half_h * v->res_x / v->res_y;
-    /* Outside the bounds, and not so near that single precision moves the eye. */
-    f.distance = fmax(v3_len(v3_sub(m->hi, m->lo)) * .51, 1e-4 * v3_len(f.centre));
+    f.distance = v3_len(v3_sub(m->hi, m->lo)) * .51; /* outside the bounds */
     mesh_faces_each(m, NULL, fit_face, &f);
     v->at = f.centre;
     v->from = v3_mad(f.centre, f.forward, -f.distance);

@@ -14,6 +14,8 @@ struct out {
     const struct mesh *m;
     uint32_t material;  /* of the last `f` */
     struct vec3 colour; /* that its own was multiplied by */
+    uint32_t colours;   /* of textures */
+    uint8_t *seen;      /* a bit for each of them */
 };
 
 static void flush(struct out *o)
@@ -42,6 +44,15 @@ static void put_vec(struct out *o, struct vec3 v)
     put_real(o, v.z);
 }
 
+/* A place: single precision may be too little far from the origin. */
+static void put_place(struct out *o, struct vec3 v)
+{
+    if (o->m->digits)
+        o->n += (size_t)snprintf(o->text + o->n, 3 * MESH_NUMBER, " %.*g %.*g %.*g", o->m->digits,
+            v.x, o->m->digits, v.y, o->m->digits, v.z);
+    else put_vec(o, v);
+}
+
 static void put_int(struct out *o, const char *lead, uint32_t v)
 {
     put(o, lead);
@@ -51,9 +62,9 @@ static void put_int(struct out *o, const char *lead, uint32_t v)
 static void put_view(struct out *o, const struct view *v)
 {
     put(o, "v\nfrom");
-    put_vec(o, v->from);
+    put_place(o, v->from);
     put(o, "\nat");
-    put_vec(o, v->at);
+    put_place(o, v->at);
     put(o, "\nup");
     put_vec(o, v->up);
     put(o, "\nangle");
@@ -66,7 +77,7 @@ static void put_view(struct out *o, const struct view *v)
 static void put_light(struct out *o, const struct light *l)
 {
     put(o, "l");
-    put_vec(o, l->pos);
+    put_place(o, l->pos);
     put_vec(o, v3(l->r, l->g, l->b));
     put(o, "\n");
 }
@@ -88,7 +99,7 @@ static void put_material(struct out *o, const struct material *m)
 static void put_corner(struct out *o, const struct mesh_face *face, uint32_t i)
 {
     if (o->n > ROOM - LINE_MAX_BYTES) flush(o);
-    put_vec(o, face->v[i]);
+    put_place(o, face->v[i]);
     if (face->normals) put_vec(o, face->normals[i]);
 }
 
@@ -128,16 +139,24 @@ static void put_cut(struct out *o, const struct mesh_face *face)
     free(t);
 }
 
+static void count_colour(struct out *o, uint32_t i)
+{
+    o->colours += !(o->seen[i / 8] >> i % 8 & 1);
+    o->seen[i / 8] |= (uint8_t)(1 << i % 8);
+}
+
 /* Writes the material of a face, if it is not that of the face before. */
 static void put_material_of(struct out *o, const struct mesh_face *face)
 {
     static const struct material plain = {.r = 1, .g = 1, .b = 1, .kd = 1, .ior = 1};
-    const struct vec3 c = face->coloured ? face->colour : v3(1, 1, 1), last = o->colour;
+    const struct mesh_colour by = mesh_colour_of(o->m, face);
+    const struct vec3 c = by.c, last = o->colour;
+    if (by.texture) count_colour(o, by.texture - 1);
     if (face->material == o->material && c.x == last.x && c.y == last.y && c.z == last.z) return;
     const bool known = face->material < o->m->scene->mNumMaterials;
     struct material m = known ? o->m->materials[face->material] : plain;
     m.r *= c.x, m.g *= c.y, m.b *= c.z;
-    if (known || face->coloured) put_material(o, &m);
+    if (known || by.is) put_material(o, &m);
     o->material = face->material;
     o->colour = c;
 }
@@ -151,9 +170,10 @@ static void put_face(void *ctx, const struct mesh_face *face)
     else put_cut(o, face);
 }
 
-void mesh_write(const struct mesh *m, FILE *f)
+uint32_t mesh_write(const struct mesh *m, FILE *f)
 {
     struct out *o = xcalloc(1, sizeof *o);
+    o->seen = xcalloc(MESH_TEXTURE_COLOURS / 8 + 1, 1);
     o->f = f, o->m = m, o->material = UINT32_MAX, o->colour = v3(1, 1, 1);
     put_view(o, &m->view);
     for (uint32_t i = 0; i < m->n_lights; i++) {
@@ -162,5 +182,8 @@ void mesh_write(const struct mesh *m, FILE *f)
     }
     mesh_faces_each(m, NULL, put_face, o);
     flush(o);
+    const uint32_t colours = o->colours;
+    free(o->seen);
     free(o);
+    return colours;
 }

@@ -7,10 +7,7 @@
 
 static void push_knot(struct spec_list *l, double value, const double rgb[3], double k)
 {
-    if (l->n == l->room) {
-        l->room = l->n ? 2 * l->n : 16;
-        l->knot = xrealloc(l->knot, l->room, sizeof *l->knot);
-    }
+    l->knot = xgrown(l->knot, l->n, sizeof *l->knot);
     l->knot[l->n] = (struct spec_knot){.s = value, .k = k};
     spec_copy(l->knot[l->n++].rgb, rgb);
 }
@@ -51,10 +48,7 @@ bool spec_add_knot(struct spec_reader *r, int list, const double v[5], double pl
 bool spec_add_iso(struct spec_reader *r, const double v[5])
 {
     struct spec *s = r->s;
-    if (s->n_isos == r->room_isos) {
-        r->room_isos = s->n_isos ? 2 * s->n_isos : 16;
-        s->iso = xrealloc(s->iso, r->room_isos, sizeof *s->iso);
-    }
+    s->iso = xgrown(s->iso, s->n_isos, sizeof *s->iso);
     s->iso[s->n_isos] = (struct spec_iso){.s = v[0], .opacity = v[4]};
     spec_copy(s->iso[s->n_isos++].rgb, v + 1);
     return true;
@@ -63,10 +57,7 @@ bool spec_add_iso(struct spec_reader *r, const double v[5])
 bool spec_add_slice(struct spec_reader *r, int axis, const double v[2])
 {
     struct spec *s = r->s;
-    if (s->n_slices == r->room_slices) {
-        r->room_slices = s->n_slices ? 2 * s->n_slices : 16;
-        s->slice = xrealloc(s->slice, r->room_slices, sizeof *s->slice);
-    }
+    s->slice = xgrown(s->slice, s->n_slices, sizeof *s->slice);
     s->slice[s->n_slices++] = (struct spec_slice){axis, v[0], v[1]};
     return true;
 }

@@ -10,7 +10,7 @@
 enum { SPEC_MAP, SPEC_COLOURS, SPEC_GROUND, SPEC_LISTS };
 struct spec_list {
     struct spec_knot *knot;
-    size_t n, room;
+    size_t n;
     double place; /* in the palette, of the last knot; negative: it has its own colour */
 };
 
@@ -22,7 +22,6 @@ struct spec_reader {
     unsigned seen;        /* one bit per word */
     struct spec *s;
     struct spec_list list[SPEC_LISTS];
-    size_t room_isos, room_slices;
     double palette[SPEC_PALETTE_POINTS][3]; /* if seen */
 };
 

@@ -39,16 +39,13 @@ static int larger_first(const void *a, const void *b)
 void media_list_enclosing(struct tracer *t)
 {
     const struct scene *s = t->scene;
-    uint32_t n = 0, cap = 0;
+    uint32_t n = 0;
     for (uint32_t i = 0; t->transmits && i < s->n_prims; i++) {
         const struct prim *q = &s->prims[i];
         const struct shape *shape = trace_shapes[trace_kind_of(q)];
         if (!shape->contains || !(t->surfaces[q->material].t > 0)) continue;
         if (!may_contain(t, q)) continue;
-        if (n == cap) {
-            cap = cap ? 2 * cap : 8;
-            t->enclosing = xrealloc(t->enclosing, cap, sizeof *t->enclosing);
-        }
+        t->enclosing = xgrown(t->enclosing, n, sizeof *t->enclosing);
         t->enclosing[n++] = (struct enclosing){shape->size(q), i};
     }
     if (n) qsort(t->enclosing, n, sizeof *t->enclosing, larger_first);

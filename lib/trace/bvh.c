@@ -48,7 +48,7 @@ struct making {
     uint32_t most;       /* refs of a task */
     struct node8 *nodes; /* room for the nodes of all tasks, most of it never touched */
     struct subtree top, *tasks;
-    uint32_t n_tasks, room_tasks;
+    uint32_t n_tasks;
 };
 
 /* ---- nodes ---------------------------------------------------------------------------------- */
@@ -61,10 +61,7 @@ static uint32_t mark_leaf(struct making *m, const struct span *s)
 
 static uint32_t add_task(struct making *m, const struct span *s, uint32_t parent, uint32_t lane)
 {
-    if (m->n_tasks == m->room_tasks) {
-        m->room_tasks = m->room_tasks ? 2 * m->room_tasks : 2 * TASKS;
-        m->tasks = xrealloc(m->tasks, m->room_tasks, sizeof *m->tasks);
-    }
+    m->tasks = xgrown(m->tasks, m->n_tasks, sizeof *m->tasks);
     m->tasks[m->n_tasks++] = (struct subtree){.span = *s, .parent = parent, .lane = lane};
     return NO_CHILD;
 }
