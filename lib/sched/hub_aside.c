@@ -20,7 +20,7 @@ void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out)
     const struct hub_node *s = &h->nodes[k];
     int32_t i = s->held.head;
     for (int32_t n = s->width; n > 0 && i >= 0; n--, i = h->ledger.at[i].next)
-        if (!pieces_exist(&h->ledger, i)) blame(h, k, i, out);
+        blame(h, k, i, out);
 }
 
 void hub_aside_fail(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)

@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 
-#define POISON_TRIES 40 /* slots that a pixel may cost: three, and two for each cut */
 #define AT_ONCE 100     /* limit of events per slot and task, against endless loops */
 #define PX_AT_ONCE 10   /* likewise, per pixel */
 
@@ -215,7 +214,8 @@ static int64_t time_allowed_us(const struct world *w)
     double faults_us = (double)p->faults_us + 2e6 + w->start_us;
     faults_us += (double)p->silence_us * (1 + (double)p->n_faults);
     faults_us += (double)p->detect_us * p->slots;
-    faults_us += POISON_TRIES * (double)w->n_poison * (1e6 + w->alone_us / (p->tasks + 1));
+    const double lost_us = p->concentrate ? w->alone_us : w->alone_us / (p->tasks + 1);
+    faults_us += POISON_TRIES * (double)w->n_poison * (1e6 + lost_us); /* with what a slot holds */
     double us = 2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us);
     return (int64_t)fmin(us, 4e18); /* it is doubled */
 }

@@ -26,7 +26,7 @@ static struct sched_event garbled(struct world *w, struct sched_event e)
 {
     double u = sim_draw(w);
     w->result->garbage++;
-    if (u < .3) e.task.id = (uint32_t)w->plan->tasks + 7;
+    if (u < .3) e.task.id = UINT32_MAX; /* no piece has it */
     else if (u < .6) e.task.id = (uint32_t)(sim_draw(w) * w->plan->tasks);
     else if (e.kind == SCHED_PIXELS) e.task.at.x += 1 + (uint32_t)(sim_draw(w) * 70);
     else e.task.frame = 99;
@@ -85,7 +85,9 @@ void sim_hand_over(struct world *w, int32_t k)
 static void poisoned(struct world *w, int32_t k, const struct task *t, bool said)
 {
     bool drains = w->slots[k].drains;
-    w->result->poisoned++;
+    const int64_t each = POISON_TRIES + (int64_t)sim_losses(w->plan) * w->plan->slots;
+    const int64_t most = each * (int64_t)w->n_poison * (1 + w->result->kills);
+    if (++w->result->poisoned > most) sim_fail(w, "poison costs too many slots", most, k);
     if (said) {
         answer(w, k, (struct sched_event){.kind = SCHED_FAIL, .task = *t, .from = -1});
         sim_start_next(w, k);

@@ -14,6 +14,7 @@
 #define FRAME_W 64       /* pixels; of frames that the plan makes up */
 #define SLOWEST .05      /* share of its power left to a slot slowed down by chance */
 #define POWER_LEAST 1e-3 /* likewise, by all slow-downs together */
+#define POISON_TRIES 40   /* slots that a pixel may cost: three, and two for each cut */
 
 /* A pixel that costs slots. */
 struct poison {
