@@ -61,6 +61,9 @@ run blendworker -p none.blend
 is 'a file that is not there' "$status:$err" '2:blendworker: none.blend: cannot be read, expected a file'
 run blendworker -p my/s.blend "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
+# Blender takes PWD for its directory, also for the name of the scene.
+pack files my/s.blend | cropworker -i -s 1x1 awk 'BEGIN { print "PWD [" ENVIRON["PWD"] "]" >"/dev/stderr"; exit 1 }' {i} 2>said
+like 'PWD does not name another directory' "$(cat said)" '^awk: PWD \[\]$'
 # Blender is only on the host.
 mkdir without
 ln -s /usr/bin/* /bin/* without 2>/dev/null
@@ -116,7 +119,18 @@ is 'the files of a scene: it, a linked library, and a texture' "$(blendworker -l
 	'real/lib/part.blend real/s.blend real/tex/t.png '
 alone real/s.blend alone.png
 run balance adaptive -j 2 -k 16 -o got.pfm real/s.blend
-is 'balance: the picture of Blender alone' "$status:$(same got.pfm alone.png.pfm)" '0:differing	0'
+is 'balance: the picture of Blender alone' "$status:$err$(same got.pfm alone.png.pfm)" '0:differing	0'
+settings='s.camera.data.dof.use_dof = True
+r.use_motion_blur = True'
+n=0
+while IFS= read -r setting; do
+	scene set$((n += 1)).blend "$setting" </dev/null
+	alone set$n.blend set$n.png </dev/null
+	run balance adaptive -j 2 -k 16 -o set$n.pfm set$n.blend </dev/null
+	is "balance: the same picture with $setting" "$status:$(same set$n.pfm set$n.png.pfm)" '0:differing	0'
+done <<END
+$settings
+END
 scene eevee.blend 'r.engine = "BLENDER_EEVEE"'
 run blendworker -i eevee.blend
 like 'Eevee is refused' "$status $err" '^2 blendworker: eevee.blend: is for BLENDER_EEVEE, which needs a display'

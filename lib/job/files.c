@@ -45,7 +45,8 @@ static bool look(const char *path, enum kind *kind, char err[ERR_BYTES])
     return job_readable(first, n, size, why) || err_set(err, "%s: %s", err_path(shown, path), why);
 }
 
-/* povworker takes +WORD and NAME=VALUE for its own, and blendworker the latter. The name stays in memory to the end. */
+/* povworker takes +WORD and NAME=VALUE for its own, and blendworker NAME=VALUE. The name stays in
+ * memory to the end. */
 static void plain_name(char **path)
 {
     if (**path == '/' || (**path != '+' && !strchr(*path, '='))) return;

@@ -1,8 +1,8 @@
 /*
  * job: what the files of a run mean. They are one scene; or scenes and, after them, views, each
  * scene with each view; or grids and specifications in the same way; or a scene of POV-Ray or
- * Blender and files that it uses. A grid alone gets a specification of its own, the starter. job(1) is the
- * manual.
+ * Blender and files that it uses. A grid alone gets a specification of its own, the starter.
+ * job(1) is the manual.
  *
  * job_first, job_of and job_starter read files. Of a file that cannot be read, its reader says so.
  */
