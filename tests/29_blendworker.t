@@ -62,7 +62,7 @@ is 'a file that is not there' "$status:$err" '2:blendworker: none.blend: cannot 
 run blendworker -p my/s.blend "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
 # Blender takes PWD for its directory, also for the name of the scene.
-pack files my/s.blend | cropworker -i -s 1x1 awk 'BEGIN { print "PWD [" ENVIRON["PWD"] "]" >"/dev/stderr"; exit 1 }' {i} 2>said
+pack files my/s.blend | cropworker -i -s 1x1 awk 'BEGIN { print "PWD [" ENVIRON["PWD"] "]" >"/dev/stderr"; exit 1 }' '{i}' 2>said
 like 'PWD does not name another directory' "$(cat said)" '^awk: PWD \[\]$'
 # Blender is only on the host.
 mkdir without
