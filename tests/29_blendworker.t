@@ -18,6 +18,7 @@ scene=$2
 until [ "$1" = -- ]; do shift; done
 shift
 ! grep '^blendworker: ' "$scene" >&2 || exit 2
+case "$(cat "$scene") $*" in *eevee*engine=CYCLES*) ;; *eevee*) exit 2 ;; esac
 case $1 in
 describe) sed 's/^remark /blendworker: /w /dev/stderr' "$scene" | grep -v ^blendworker >"$2"; exit ;;
 esac
@@ -53,6 +54,10 @@ is 'a remark' "$status:$err" '0:blendworker: x.png is not there'
 echo 'blendworker: s.blend: has no camera, expected one' >bad.blend
 run balance adaptive -j 2 -o bad.png bad.blend
 is 'a scene that is refused: its reason, and no picture' "$status:$err$(ls bad.png 2>/dev/null)" '2:blendworker: s.blend: has no camera, expected one'
+cp my/tex/a.png my/tex/eevee.png
+printf '64 48\n1 9 4 4\ntex/eevee.png\ntex/a.png\n' >my/e.blend
+run balance adaptive -j 2 -W engine=CYCLES -o engine.png my/e.blend
+is 'engine=CYCLES holds for the files, too' "$status:$(same engine.png got.png)" '0:differing	0'
 for word in frames=3-1 frames=a frames=-1 samples=x samples=9999999 threads=99999 engine=BLENDER_EEVEE other=1; do
 	run blendworker -i $word my/s.blend
 	like "$word is refused" "$status $err" "^2 blendworker: ($word|[a-z]+=[^ ]*): expected "
@@ -134,6 +139,8 @@ END
 scene eevee.blend 'r.engine = "BLENDER_EEVEE"'
 run blendworker -i eevee.blend
 like 'Eevee is refused' "$status $err" '^2 blendworker: eevee.blend: is for BLENDER_EEVEE, which needs a display'
+run balance adaptive -j 2 -s 32x24 -W engine=CYCLES -o eevee.png eevee.blend
+is 'but for engine=CYCLES' "$status:$(same eevee.png eevee.png)" '0:differing	0'
 scene blind.blend 's.camera = None'
 run blendworker -i blind.blend
 is 'a scene without a camera is refused' "$status:$err" '2:blendworker: blind.blend: has no camera, expected one'
