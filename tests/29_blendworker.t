@@ -140,7 +140,7 @@ scene eevee.blend 'r.engine = "BLENDER_EEVEE"'
 run blendworker -i eevee.blend
 like 'Eevee is refused' "$status $err" '^2 blendworker: eevee.blend: is for BLENDER_EEVEE, which needs a display'
 run balance adaptive -j 2 -s 32x24 -W engine=CYCLES -o eevee.png eevee.blend
-is 'but for engine=CYCLES' "$status:$(same eevee.png eevee.png)" '0:differing	0'
+is 'engine=CYCLES renders it' "$status:$(same eevee.png eevee.png)" '0:differing	0'
 scene blind.blend 's.camera = None'
 run blendworker -i blind.blend
 is 'a scene without a camera is refused' "$status:$err" '2:blendworker: blind.blend: has no camera, expected one'
