@@ -78,6 +78,7 @@ LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
 LIBS_album = $(LIBS_units)
+LIBS_barbs = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_test_heights = $(LIBS_units)
 LIBS_test_expression = $(LIBS_units)
@@ -105,7 +106,7 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
            $(call lacks,pango/pangocairo.h $(PANGO),stormview:libpango1.0-dev:paint)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
-# Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.
+# Without this one, nc2vtk, grib2vtk and barbs convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
@@ -168,7 +169,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
-	$(if $(UDUNITS),,@echo "make: nc2vtk and grib2vtk convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
+	$(if $(UDUNITS),,@echo "make: nc2vtk, grib2vtk and barbs convert no units and heights, backdrop computes no dates: libudunits2-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

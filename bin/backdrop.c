@@ -99,11 +99,11 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* True if a picture has the colours of a second field, which its legend names. */
-static bool by_second(const struct input *in)
+/* True if a picture has the colours of further grids, which its legend names. */
+static bool by_further(const struct input *in)
 {
     for (int i = 0; i < in->o->n_specs; i++)
-        if (in->spec[i].n_colours) return true;
+        if (in->spec[i].n_colours || in->spec[i].flat) return true;
     return false;
 }
 
@@ -128,7 +128,7 @@ static void load(struct input *in, const struct options *o)
     for (int i = 0; i < o->n_specs; i++)
         if (spec_load(o->files[o->n_grids + i], &in->spec[i], err) != 0) die(ST_USAGE, "%s", err);
     for (int i = 0; i < o->n_grids; i++)
-        if (in->file[i] && by_second(in) && !grid_file_second(in->file[i], err))
+        if (in->file[i] && by_further(in) && !grid_file_further(in->file[i], err))
             die(ST_USAGE, "%s", err);
     if (o->lines && read_file(o->lines, &in->lines) != 0) die(ST_USAGE, "%s:", o->lines);
     if (buf_size(&in->lines) && memchr(buf_data(&in->lines), '\0', buf_size(&in->lines)))

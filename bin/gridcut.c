@@ -107,6 +107,8 @@ static void cut(const struct options *o)
     if (!f) die(ST_USAGE, "%s", err);
     const struct grid *g = grid_file_grid(f);
     if (g->brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o->path[0]);
+    if (g->n[2] == 1)
+        die(ST_USAGE, "%s: has one level, expected several: one level needs no bricks", o->path[0]);
     uint32_t parts[3] = {1, 1, 1};
     if (o->mib > 0) fit(o, g, parts);
     else memcpy(parts, o->parts, sizeof parts);

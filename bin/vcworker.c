@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 9 /* raise it when a pixel of any volume changes */
+#define FORMAT_VERSION 10 /* raise it when a pixel of any volume changes */
 
 struct options {
     struct volume_options volume;
@@ -188,14 +188,31 @@ static struct options parse(int argc, char **argv)
 
 /* ---- -i and -n ------------------------------------------------------------------------------ */
 
+#define COVERED .99 /* of the grid, from which the rest does not matter */
+
+/* A ground that is not below all of the grid may be that of another place. */
+static void check_ground(const struct options *o, const struct grid *g)
+{
+    const double share = grid_over_ground(g);
+    if (share < COVERED)
+        warn("%s: the ground is below %.2g %% of the grid: x %g to %g and y %g to %g below x %g to "
+             "%g and y %g to %g",
+            o->grid, 100 * share, g->ground->at[0][0], g->ground->at[0][g->ground->n[0] - 1],
+            g->ground->at[1][0], g->ground->at[1][g->ground->n[1] - 1], g->at[0][0],
+            g->at[0][g->n[0] - 1], g->at[1][0], g->at[1][g->n[1] - 1]);
+}
+
 static void inspect(struct worker_states *s, const struct options *o)
 {
     char err[ERR_BYTES];
+    bool checked = false;
     for (int i = 0; i < o->n_specs; i++) {
         if (i) worker_states_load(s, SPEC, o->specs[i]);
         const struct spec *spec = worker_states_value(s, SPEC);
         if (!volume_check(worker_states_value(s, GRID), spec, err))
             die(ST_USAGE, "%s: %s", o->specs[i], err);
+        if (spec->n_grounds && !checked) check_ground(o, worker_states_value(s, GRID));
+        checked = checked || spec->n_grounds;
         uint32_t w = o->w ? (uint32_t)o->w : spec->w, h = o->w ? (uint32_t)o->h : spec->h;
         char job[WIRE_JOB];
         worker_states_job(s, w, h, job);

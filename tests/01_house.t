@@ -32,6 +32,7 @@ html base
 album html image task base
 grid base os
 spec grid geometry base
+layer grid base
 volume simd grid spec geometry task base
 cf units grid base
 voxel grid base

@@ -141,8 +141,6 @@ grid sheet 1e17 1e17 1 's = i'
 refused 'lengths that no scale brings together' 'gridspec: sheet.vtk: an axis is 1e9 times' gridspec sheet.vtk
 sed 's/^SCALARS.*/VECTORS wind float/' plain.vtk >vectors.vtk
 refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS; vol2vtk' gridspec vectors.vtk
-sed 's/^DIMENSIONS.*/DIMENSIONS 9 9 1/' plain.vtk >layer.vtk
-refused 'one layer' 'gridspec: layer.vtk:5: the first grid has one level, as a field of x and y alone; expected several' gridspec layer.vtk
 refused 'another palette' 'gridspec: -p jet: expected batlow, ' gridspec -p jet plain.vtk
 refused 'another kind' 'gridspec: -k mist: expected fog, ' gridspec -k mist plain.vtk
 refused 'a bad size' 'gridspec: -s 9: expected' gridspec -s 9 plain.vtk
@@ -152,4 +150,41 @@ is 'a full disk: exit 3' "$?" 3
 printf '# vtk DataFile Version 3.0\na\rfrom 1 2 3 [m]; x lon [\001]\n' >evil.vtk
 sed 1,2d plain.vtk >>evil.vtk
 ok 'a title stays within comments' sh -c 'gridspec evil.vtk >evil.spec && vcworker -i evil.vtk evil.spec'
+
+# ---- one level -------------------------------------------------------------------------------------------------
+# flat NAME AWK [TITLE]: 9 x 9 nodes from 0 to 80 and 40 degrees; AWK sets s at i, j
+flat() {
+	grid "$1" 80 40 8 "if (k) continue; $2" "${3:-s [mm]; x lon [degrees_east]; y lat [degrees_north]}"
+	awk '/^DIMENSIONS/ { $4 = 1 } /^Z_/ { $2 = 1; print; getline; $0 = 5 } /^POINT_DATA/ { $2 = 81 } { print }' "$1.vtk" >one.vtk
+	mv one.vtk "$1.vtk"
+}
+flat rain 's = i < 3 ? 0 : i + j'
+gridspec -s 120x80 rain.vtk >rain.spec
+is 'one level is seen from above, as a slice' "$(grep -E '^(up|slice)' rain.spec | paste -sd ' ' -)" 'up 0 1 0 slice z 5 0.8'
+is 'its comments have no height' "$(sed -n '1,/^from/p' rain.spec | paste -sd '|' -)" \
+	"# s: 0 to 16 mm at 9 x 9 x 1 nodes|# x: 0 to 80 degrees_east|# y: 0 to 40 degrees_north|$(grep ^from rain.spec)"
+ok 'balance: one level alone' balance adaptive -j 1 -s 120x80 -o rain.pam rain.vtk
+vcworker -i rain.vtk rain.spec >/dev/null && partition 120x80 | vcworker -t rain.vtk rain.spec | gather -o rain.pam
+like 'its picture fills the frame; the least value has no colour' "$(painted rain.pam 120 80)" '^2[6-9] 9[3-6] [0-9]+ [0-9]+$'
+flat both 's = i - 4'
+gridspec both.vtk >both.spec
+like 'both signs: around 0' "$(paste -sd ' ' both.spec)" 'palette vik .* slice z 5 0.8$'
+is 'no profile' "$(grep -c ^profile both.spec)" 0
+is '-k anomaly: from the mean' "$(gridspec -k anomaly rain.vtk | grep -c ^profile)" 1
+flat even 's = 3'
+ok 'one value' sh -c 'gridspec even.vtk >even.spec && vcworker -i even.vtk even.spec'
+run gridcut -m 1 -o brick-%d.vtk rain.vtk
+like 'gridcut: one level' "$status $err" '^2 gridcut: rain.vtk: has one level, expected several'
+grid air 80 40 9000 's = i + k' 's [m/s]; x lon [degrees_east]; y lat [degrees_north]; z height [m]'
+flat hills 's = 100 * i' 'h [m]; x lon [degrees_east]; y lat [degrees_north]'
+cat air.vtk rain.vtk >wet.vtk; cat air.vtk hills.vtk >land.vtk
+gridspec wet.vtk >wet.spec
+like 'a flat field below a grid' "$(grep -E '^(flat|ground)' wet.spec | sed -n '1p;2p' | paste -sd ' ' -)" '^flat 0 0.8 ground 0[.]0'
+gridspec land.vtk >land.spec
+is 'heights are a terrain' "$(grep -c ^flat land.spec) $(grep -c ^ground land.spec)" '0 9'
+ok 'both can be rendered' sh -c 'vcworker -i wet.vtk wet.spec && vcworker -i land.vtk land.spec'
+backdrop wet.vtk wet.spec >wet.gp
+like 'the legend names both' "$(cat wet.gp)" "'s, m/s .left.; s, mm .right.'"
+cat rain.vtk air.vtk >wrong.vtk
+refused 'one level first' 'gridspec: wrong.vtk:[0-9]*: a grid of several levels after one of one, expected it before' gridspec wrong.vtk
 finish

@@ -81,6 +81,21 @@ for look in ground second; do
 	{ partition -u run:37 $size; } | vcworker -f 5 all.vtk $look.spec | gather -o out.pam
 	same "runs, $look" $look.pam
 done
+# Moved by whole circles: 360 degrees in four columns, from 180 on, under a grid from -6 on
+earth() {
+	printf '%s\n' '# vtk DataFile Version 3.0' 's [K]; x lon [degrees_east]' ASCII 'DATASET RECTILINEAR_GRID'
+	echo "DIMENSIONS $1 2 1" "X_COORDINATES $1 float $2 Y_COORDINATES 2 float 0 21 Z_COORDINATES 1 float 0"
+	echo "POINT_DATA $((2 * $1)) SCALARS h float LOOKUP_TABLE default $3 $3"
+}
+sed '2s/.*/a [K]; x lon [degrees_east]/' a.vtk >east.vtk
+{ cat east.vtk; earth 4 '180 270 360 450' '1 2 3 2.5'; } >turned.vtk
+{ cat east.vtk; earth 3 '-90 0 90' '2 3 2.5'; } >straight.vtk
+for grid in turned straight; do picture $grid.pam $grid.vtk ground.spec; done
+ok 'a ground is moved by whole circles' cmp turned.pam straight.pam
+{ cat east.vtk; earth 4 '180 181 182 183' '1 2 3 2.5'; } >lost.vtk
+run vcworker -i lost.vtk ground.spec ground.spec
+like 'a ground elsewhere: a remark, once' "$status $err" '^0 vcworker: lost.vtk: the ground is below 0 % of the grid: x 180 to 183 .*$'
+is 'none where it is below' "$(vcworker -i turned.vtk ground.spec 2>&1 >/dev/null)" ''
 is 'the second field is seen' "$(cmp -s ground.pam second.pam && echo same)" ''
 run balance adaptive -j 1 -o out.pam a.vtk ground.spec
 like 'a ground that is not there' "$status $err" '^2 vcworker: ground.spec: ground lines and a grid without ground, expected'

@@ -37,6 +37,9 @@ static void draw(const struct drawing *s, struct backdrop_lines *lines, unsigned
     if (parts & BACKDROP_MAP) {
         mark_begin(s->list, BACKDROP_LINES, COAST, COAST_WIDTH);
         lines_stroke(s, lines);
+        s->labels->in_strip = false; /* the legend's are all there */
+        lines_mark(s, lines);
+        lines_write(s, lines);
     }
     if (parts & BACKDROP_AXES) {
         mark_begin(s->list, BACKDROP_EDGES, FRAME, 1);

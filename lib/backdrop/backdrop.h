@@ -29,16 +29,22 @@ struct backdrop {
 };
 
 /* The names in a grid's title. */
+#define BACKDROP_NAMED (2 * GRID_NAME + 16)
 struct backdrop_names {
     struct grid_named scalar, x, z;
-    char title[2 * GRID_NAME + 16];
+    char title[2 * BACKDROP_NAMED];
 };
 /* Sets title, flat, unit, levels and down from the title of b's grid, which n keeps. title: that of
  * the legend, or NULL. unit: of heights, with a minus sign for depths and pressures, or NULL. */
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n);
+/* True if the grid's title says that x and y are longitude and latitude. */
+bool backdrop_on_globe(const struct grid *g);
 /* True if the maps of these grids are equal except for the time. */
 bool backdrop_alike(const struct grid *a, const struct grid *b);
+
+/* 1, 2 or 5 times a power of ten, so that the range has at most n steps. */
+double backdrop_step(double range, int n);
 
 /* The height of the strip in pixels. */
 uint32_t backdrop_strip(const struct backdrop *b);
@@ -56,7 +62,9 @@ enum backdrop_kind {
     BACKDROP_AREA,      /* land or water */
     BACKDROP_GRATICULE, /* lines */
     BACKDROP_LINES,     /* coasts */
+    BACKDROP_NUMBERED,  /* lines with texts, such as isobars */
     BACKDROP_EDGES,     /* of the grid */
+    BACKDROP_DOTS,      /* discs around points */
     BACKDROP_PATCH,     /* a rectangle between two corners */
     BACKDROP_BOX,       /* its border */
     BACKDROP_LABEL      /* a text, centred in height at its point */
@@ -64,10 +72,11 @@ enum backdrop_kind {
 struct backdrop_mark {
     enum backdrop_kind kind;
     uint32_t rgb;    /* sRGB, 0xrrggbb; a label is black */
-    double width;    /* of lines, in pixels */
+    double width;    /* of lines, and across discs, in pixels */
     size_t first, n; /* its points in the list */
     size_t text;     /* where the text of a label begins */
     int align;       /* the point is its left end (-1), its middle (0) or its right end (1) */
+    double turn;     /* degrees: a label is turned around its point to the left, from -90 to 90 */
 };
 struct backdrop_list {
     double em; /* pixels: the size of the font, sans serif */

@@ -28,7 +28,7 @@ void drawing_init(struct drawing *s, const struct backdrop *b)
     s->camera = camera_new(v3_of(spec->from), v3_of(spec->at), v3_of(spec->up), spec->angle);
     for (int a = 0; a < 3; a++) {
         bool turned = a == 2 && spec->scale[a] < 0;
-        uint32_t last = b->grid->n[a] - 1;
+        uint32_t last = a == 2 && b->grid->flat ? 0 : b->grid->n[a] - 1;
         s->lo[a] = b->grid->at[a][turned ? last : 0];
         s->hi[a] = b->grid->at[a][turned ? 0 : last];
     }
@@ -83,16 +83,21 @@ static enum label check(const struct drawing *s, const struct label_box *box)
     return LABEL_PLACED;
 }
 
+enum label drawing_reserve(const struct drawing *s, const struct label_box *box)
+{
+    enum label result = check(s, box);
+    if (result == LABEL_PLACED) buf_append(&s->labels->boxes, box, sizeof *box);
+    return result;
+}
+
 enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align)
 {
     double wide = backdrop_text_width(s, text), x0 = xy[0] - wide * (align + 1) / 2;
     double half = BACKDROP_TEXT_HIGH * s->em / 2;
     struct label_box box = {x0, x0 + wide, xy[1] - half, xy[1] + half};
-    enum label result = check(s, &box);
-    if (result != LABEL_PLACED) return result;
-    buf_append(&s->labels->boxes, &box, sizeof box);
-    mark_label(s->list, text, xy, align);
-    return LABEL_PLACED;
+    enum label result = drawing_reserve(s, &box);
+    if (result == LABEL_PLACED) mark_label(s->list, text, xy, align, 0);
+    return result;
 }
 
 void backdrop_label_ticks(

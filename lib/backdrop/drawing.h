@@ -12,6 +12,8 @@
 #define COAST_WIDTH .6
 #define GRATICULE 0xc3ccd3u
 #define FRAME 0x8a949bu
+#define NUMBERED 0x35507au
+#define DOT 0xb02a20u
 
 /* The labels so far. */
 struct labels {
@@ -49,7 +51,10 @@ void mark_point(struct backdrop_list *l, double x, double y);
 void mark_break(struct backdrop_list *l);
 void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
     const double from[2], const double to[2]);
-void mark_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
+void mark_label(
+    struct backdrop_list *l, const char *text, const double xy[2], int align, double turn);
+/* Removes points of the last mark, so that the list has n_at. */
+void mark_shorten(struct backdrop_list *l, size_t n_at);
 /* Removes marks, so that n are left. */
 void mark_cut(struct backdrop_list *l, size_t n_marks);
 
@@ -74,6 +79,11 @@ void drawing_point(const struct drawing *s, double x, double y, double z);
  */
 enum label { LABEL_PLACED, LABEL_LEFT_OUT, LABEL_TOO_CLOSE };
 enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align);
+/* Keeps this place for a label that the caller adds, if it is free. */
+struct label_box {
+    double x0, x1, y0, y1;
+};
+enum label drawing_reserve(const struct drawing *s, const struct label_box *box);
 /* Calls label(ctx, i * step) for each tick: for every second one, fifth one and so on if otherwise
  * they would cover each other, LABEL_TOO_CLOSE. */
 struct ticks;
@@ -85,9 +95,6 @@ double backdrop_text_width(const struct drawing *s, const char *text);
 #define BACKDROP_FONT 16.0     /* pixels of an em at gnuplot's fontscale 1: 12 points */
 #define BACKDROP_MARGIN .5     /* em: beside the caption, above the bar */
 #define BACKDROP_TEXT_HIGH 1.2 /* em: the height of a line */
-struct label_box {
-    double x0, x1, y0, y1;
-};
 
 /* The ticks in a range: i * step for first <= i <= last. None if rounding would merge them. */
 struct ticks {
@@ -95,8 +102,6 @@ struct ticks {
     int first, last;
 };
 struct ticks backdrop_ticks(double lo, double hi, double step);
-/* 1, 2 or 5 times a power of ten, so that the range has at most n steps. */
-double backdrop_step(double range, int n);
 
 /* ---- parts of the drawing (map.c, legend.c) ------------------------------------------------ */
 

@@ -19,6 +19,10 @@ static void patch(const struct drawing *s, double x0, double x1, double y0, doub
 
 struct bar {
     double x, y, w, h, lo, hi; /* place in pixels; values at the ends */
+    const struct spec_knot *knot;
+    size_t n;       /* of knot */
+    double least;   /* opacity at least: of a slice, the second field, a flat ground */
+    bool of_ground; /* not of the field */
     double *even;              /* n_even values at even distances; NULL: the bar is linear */
     size_t n_even;
 };
@@ -79,13 +83,6 @@ static void bar_even_values(const struct bar *b, const struct drawing *s)
     }
 }
 
-/* The colours of the bar: those of the second field, if there are any. */
-static const struct spec_knot *bar_knots(const struct spec *p, size_t *n)
-{
-    *n = p->n_colours ? p->n_colours : p->n_knots;
-    return p->n_colours ? p->colour : p->knot;
-}
-
 /* The bar's surfaces: none beside colours of the second field, because theirs is the first one. */
 static size_t bar_n_isos(const struct spec *p) { return p->n_colours ? 0 : p->n_isos; }
 
@@ -101,19 +98,18 @@ static double least_opacity(const struct spec *p)
 /* The opacity is that of a layer as thick as the grid's shortest extent, or of a slice. */
 static void bar_spans(const struct bar *b, const struct drawing *s)
 {
-    const double least = least_opacity(s->b->spec);
     double thick = HUGE_VAL;
     for (int a = 0; a < 3; a++)
         thick = fmin(thick, fabs((s->hi[a] - s->lo[a]) * s->b->spec->scale[a]));
-    size_t n;
-    const struct spec_knot *p = bar_knots(s->b->spec, &n);
+    const struct spec_knot *p = b->knot;
+    size_t n = b->n;
     for (const struct spec_knot *q = p + 1; n > 1; n--, p++, q++) {
-        for (int j = 0; j < SPAN_PIECES && least + p->k + q->k > 0 && q->s > p->s; j++) {
+        for (int j = 0; j < SPAN_PIECES && b->least + p->k + q->k > 0 && q->s > p->s; j++) {
             double f = (j + .5) / SPAN_PIECES, rgb[3];
             for (int c = 0; c < 3; c++) rgb[c] = p->rgb[c] + f * (q->rgb[c] - p->rgb[c]);
             double x0 = bar_x(b, p->s + (q->s - p->s) * j / SPAN_PIECES);
             double x1 = bar_x(b, p->s + (q->s - p->s) * (j + 1) / SPAN_PIECES);
-            double alpha = fmax(least, 1 - exp(-thick * (p->k + f * (q->k - p->k))));
+            double alpha = fmax(b->least, 1 - exp(-thick * (p->k + f * (q->k - p->k))));
             patch(s, x0, fmin(fmax(x1, x0 + .3) + .7, b->x + b->w), b->y, b->y + b->h, rgb, alpha);
         }
     }
@@ -196,29 +192,47 @@ void backdrop_caption(const struct drawing *s)
     if (*text) backdrop_label(s, text, (double[2]){centred ? s->w / 2 : margin, y}, centred - 1);
 }
 
+static void draw_bar(struct bar b, const struct drawing *s)
+{
+    const struct spec *p = s->b->spec;
+    const size_t n_isos = b.of_ground ? 0 : bar_n_isos(p);
+    b.lo = HUGE_VAL, b.hi = -HUGE_VAL;
+    for (size_t i = 0; i < b.n; i++)
+        b.lo = fmin(b.lo, b.knot[i].s), b.hi = fmax(b.hi, b.knot[i].s);
+    for (size_t i = 0; i < n_isos; i++)
+        b.lo = fmin(b.lo, p->iso[i].s), b.hi = fmax(b.hi, p->iso[i].s);
+    if (n_isos == 0) bar_places(&b, b.knot, b.n);
+    double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
+    b.lo -= pad;
+    b.hi += pad;
+    if (!b.of_ground) bar_ends(&b, s);
+    bar_spans(&b, s);
+    if (!b.of_ground) bar_isos(&b, s);
+    mark_rectangle(
+        s->list, BACKDROP_BOX, FRAME, (double[2]){b.x, b.y}, (double[2]){b.x + b.w, b.y + b.h});
+    if (b.even) bar_even_values(&b, s);
+    else if (b.of_ground || p->n_knots) bar_values(&b, s);
+    free(b.even);
+}
+
+/* One bar in the middle, or two: of the field, and of a flat ground. */
 void backdrop_legend(const struct drawing *s)
 {
     static const double page[3] = {PAGE, PAGE, PAGE};
     const struct spec *p = s->b->spec;
-    struct bar b = {.2 * s->w, (BACKDROP_LINE + BACKDROP_ROW) * s->em - s->strip, .6 * s->w, s->em,
-        HUGE_VAL, -HUGE_VAL, NULL, 0};
-    size_t n;
-    const struct spec_knot *knot = bar_knots(p, &n);
-    for (size_t i = 0; i < n; i++) b.lo = fmin(b.lo, knot[i].s), b.hi = fmax(b.hi, knot[i].s);
-    for (size_t i = 0; i < bar_n_isos(p); i++)
-        b.lo = fmin(b.lo, p->iso[i].s), b.hi = fmax(b.hi, p->iso[i].s);
-    if (bar_n_isos(p) == 0) bar_places(&b, knot, n);
-    double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
-    b.lo -= pad;
-    b.hi += pad;
+    struct bar b = {.x = .2 * s->w, .w = .6 * s->w, .h = s->em};
+    b.y = (BACKDROP_LINE + BACKDROP_ROW) * s->em - s->strip;
+    b.knot = p->n_colours ? p->colour : p->knot;
+    b.n = p->n_colours ? p->n_colours : p->n_knots;
+    b.least = least_opacity(p);
     s->labels->in_strip = true;
     patch(s, 0, s->w, -s->strip, 0, page, 1); /* over lines that leave the picture */
-    bar_ends(&b, s);
-    bar_spans(&b, s);
-    bar_isos(&b, s);
-    mark_rectangle(
-        s->list, BACKDROP_BOX, FRAME, (double[2]){b.x, b.y}, (double[2]){b.x + b.w, b.y + b.h});
-    if (b.even) bar_even_values(&b, s);
-    else if (p->n_knots) bar_values(&b, s);
-    free(b.even);
+    if (p->flat) {
+        struct bar ground = b;
+        b.x = .04 * s->w, b.w = ground.w = .44 * s->w, ground.x = .52 * s->w;
+        ground.knot = p->ground, ground.n = p->n_grounds, ground.least = p->flat_opacity;
+        ground.of_ground = true;
+        draw_bar(ground, s);
+    }
+    draw_bar(b, s);
 }

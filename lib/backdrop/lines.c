@@ -6,19 +6,6 @@
 
 #define LINE 256
 
-enum kind { OPEN, LAND_AREA, WATER_AREA, GLOBE };
-
-struct part {
-    struct outline o;
-    enum kind kind;
-    bool seen; /* an area, in the last picture; a line always */
-};
-struct backdrop_lines {
-    struct part *part; /* grown by xgrown */
-    size_t n;
-    struct part now; /* being read */
-};
-
 /* Reads the two numbers of a line. False if there are not exactly two. */
 static bool numbers(char *line, double v[2])
 {
@@ -36,45 +23,73 @@ static const char *next_line(const char *text, char line[LINE])
     return text[n] ? text + n + 1 : NULL;
 }
 
-/* Parses "> land", "> water" or "> globe". */
-static enum kind kind_of(char *line)
+#define NAME_MAX_BYTES 100
+
+/* Keeps a name. False if it has none of 1 to NAME_MAX_BYTES bytes that may be shown. */
+static bool take_text(struct backdrop_lines *l, const char *s, bool required)
 {
-    char *rest = line, *mark = strtok_r(rest, " \t\r", &rest);
-    char *word = strtok_r(NULL, " \t\r", &rest);
-    if (!mark || !word || strcmp(mark, ">") != 0 || strtok_r(NULL, " \t\r", &rest)) return OPEN;
-    static const char *const words[] = {
-        [LAND_AREA] = "land", [WATER_AREA] = "water", [GLOBE] = "globe"};
-    for (int k = LAND_AREA; k <= GLOBE; k++)
-        if (strcmp(word, words[k]) == 0) return (enum kind)k;
-    return OPEN;
+    size_t n = strlen(s), k;
+    while (n && strchr(" \t\r", s[n - 1])) n--;
+    if (n > NAME_MAX_BYTES || (required && !n)) return false;
+    for (size_t i = 0; i < n; i += k)
+        if (!(k = utf8_shown(s + i, n - i))) return false;
+    l->now.text = buf_size(&l->text);
+    buf_append(&l->text, s, n);
+    buf_append(&l->text, "", 1);
+    return true;
 }
 
-static bool is_area(enum kind kind) { return kind == LAND_AREA || kind == WATER_AREA; }
+/* Parses "> land", "> water", "> globe", "> line TEXT" or "> mark NAME"; any other header is that
+ * of a line. False if it has a bad name. */
+static bool take_head(struct backdrop_lines *l, char *line)
+{
+    static const char *const words[] = {[LINES_LAND] = "land",
+        [LINES_WATER] = "water",
+        [LINES_GLOBE] = "globe",
+        [LINES_TEXT] = "line",
+        [LINES_MARK] = "mark"};
+    char *rest = line, *sign = strtok_r(rest, " \t\r", &rest);
+    char *word = strtok_r(NULL, " \t\r", &rest);
+    if (!sign || !word || strcmp(sign, ">") != 0) return true;
+    int kind = LINES_MARK;
+    while (kind > LINES_OPEN && strcmp(word, words[kind]) != 0) kind--;
+    rest += strspn(rest, " \t\r");
+    if (kind < LINES_TEXT && *rest) return true;
+    l->now.kind = (enum lines_kind)kind;
+    return kind < LINES_TEXT || take_text(l, rest, kind == LINES_MARK);
+}
+
+static bool is_area(enum lines_kind kind) { return kind == LINES_LAND || kind == LINES_WATER; }
 
 /* Keeps the part that was read. */
 static void flush(struct backdrop_lines *l)
 {
-    struct part *p = &l->now;
+    struct lines_part *p = &l->now;
     if (p->o.n) {
         if (is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
         outline_bound(&p->o);
         l->part = xgrown(l->part, l->n, sizeof *l->part);
         l->part[l->n++] = *p;
     }
-    l->now = (struct part){.o.flat = p->o.flat, .seen = true};
+    l->now = (struct lines_part){.o.flat = p->o.flat, .seen = true};
 }
 
-static bool read_line(struct backdrop_lines *l, char *line)
+/* Returns NULL, or what was expected. */
+static const char *read_line(struct backdrop_lines *l, char *line)
 {
     double v[2];
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(l);
-        l->now.kind = kind_of(line);
-        return l->now.kind != GLOBE || !l->now.o.flat;
+        if (!take_head(l, line))
+            return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
+        return l->now.kind == LINES_GLOBE && l->now.o.flat
+                   ? "longitudes and latitudes, which x and y of the grid are not, expected lines "
+                     "in its coordinates, or none"
+                   : NULL;
     }
-    if (!numbers(line, v)) return false;
+    if (!numbers(line, v)) return "expected longitude and latitude";
     outline_add(&l->now.o, (struct outline_point){v[0], v[1]});
-    return true;
+    return NULL;
 }
 
 struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR])
@@ -82,21 +97,15 @@ struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BA
     struct backdrop_lines *l = xcalloc(1, sizeof *l);
     char line[LINE];
     int number = 1;
-    bool good = true;
-    l->now = (struct part){.o.flat = b->flat, .seen = true};
-    for (const char *rest = b->lines; rest && good; number++) {
+    const char *fault = NULL;
+    l->now = (struct lines_part){.o.flat = b->flat, .seen = true};
+    for (const char *rest = b->lines; rest && !fault; number++) {
         rest = next_line(rest, line);
-        good = read_line(l, line);
+        fault = read_line(l, line);
     }
-    const bool globe = l->now.kind == GLOBE && l->now.o.flat;
     flush(l);
-    if (good) return l;
-    if (globe)
-        err_set(err,
-            "%.128s:%d: longitudes and latitudes, which x and y of the grid are not, expected "
-            "lines in its coordinates, or none",
-            b->lines_name, number - 1);
-    else err_set(err, "%.128s:%d: expected longitude and latitude", b->lines_name, number - 1);
+    if (!fault) return l;
+    err_set(err, "%.128s:%d: %s", b->lines_name, number - 1, fault);
     backdrop_lines_free(l);
     return NULL;
 }
@@ -106,18 +115,19 @@ void backdrop_lines_free(struct backdrop_lines *l)
     if (!l) return;
     for (size_t i = 0; i < l->n; i++) outline_free(&l->part[i].o);
     free(l->part);
+    buf_free(&l->text);
     free(l);
 }
 
 void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 {
-    for (struct part *p = l->part; p < l->part + l->n; p++)
+    for (struct lines_part *p = l->part; p < l->part + l->n; p++)
         if (is_area(p->kind))
-            p->seen = outline_fill(s, &p->o, BACKDROP_AREA, p->kind == WATER_AREA ? SEA : LAND);
+            p->seen = outline_fill(s, &p->o, BACKDROP_AREA, p->kind == LINES_WATER ? SEA : LAND);
 }
 
 void lines_stroke(const struct drawing *s, const struct backdrop_lines *l)
 {
-    for (const struct part *p = l->part; p < l->part + l->n; p++)
-        if (p->seen) outline_stroke(s, &p->o);
+    for (const struct lines_part *p = l->part; p < l->part + l->n; p++)
+        if (p->seen && p->kind < LINES_TEXT) outline_stroke(s, &p->o);
 }

@@ -4,9 +4,34 @@
 
 #include "backdrop/outline.h"
 
+enum lines_kind { LINES_OPEN, LINES_LAND, LINES_WATER, LINES_GLOBE, LINES_TEXT, LINES_MARK };
+
+struct lines_part {
+    struct outline o;
+    enum lines_kind kind;
+    bool seen;   /* an area, in the last picture; others always */
+    size_t text; /* where its text or name begins, for LINES_TEXT and LINES_MARK */
+    size_t n_at; /* of LINES_MARK: its points in the last picture */
+};
+struct backdrop_lines {
+    struct lines_part *part; /* grown by xgrown */
+    size_t n;
+    struct buf text;       /* each ends with a byte 0 */
+    struct lines_part now; /* being read */
+};
+static inline const char *lines_text(const struct backdrop_lines *l, const struct lines_part *p)
+{
+    return (const char *)buf_data(&l->text) + p->text;
+}
+
 /* Adds the areas to the list; later areas cover earlier ones. */
 void lines_fill(const struct drawing *s, struct backdrop_lines *l);
 /* Adds lines, and outlines of the areas that lines_fill found visible, to the list's last mark. */
 void lines_stroke(const struct drawing *s, const struct backdrop_lines *l);
+/* Adds a disc for each point of a mark, and its name where there is room. (place.c) */
+void lines_mark(const struct drawing *s, struct backdrop_lines *l);
+/* Adds lines with a text, and the text in gaps of them. (number.c) */
+void lines_write(const struct drawing *s, const struct backdrop_lines *l);
+#define LINES_TEXTS 1000 /* in a picture: more cannot be read */
 
 #endif

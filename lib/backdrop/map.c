@@ -75,6 +75,7 @@ static struct ticks graticule_of(const struct drawing *s, int axis)
 static struct ticks heights_of(const struct drawing *s)
 {
     double a = fmin(s->lo[2], s->hi[2]), b = fmax(s->lo[2], s->hi[2]);
+    if (!(a < b)) return (struct ticks){1, 0, -1}; /* one level */
     return backdrop_ticks(a, b, backdrop_step(b - a, 6));
 }
 
@@ -230,7 +231,7 @@ void backdrop_labels(const struct drawing *s)
 {
     const double pad = .025 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
     double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
-    bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
+    bool low = (s->b->spec->from[1] <= middle) == (s->b->spec->scale[1] > 0); /* = : from above */
     struct ticks x = graticule_of(s, 0), y = graticule_of(s, 1), z = heights_of(s);
     struct beside b = {.y = low ? s->lo[1] : s->hi[1], .pad = low ? -pad : pad, .step = x.step};
     find_corner(s, b.corner);

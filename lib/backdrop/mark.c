@@ -34,12 +34,20 @@ void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t r
     mark_point(l, to[0], to[1]);
 }
 
-void mark_label(struct backdrop_list *l, const char *text, const double xy[2], int align)
+void mark_label(
+    struct backdrop_list *l, const char *text, const double xy[2], int align, double turn)
 {
     begin(l, BACKDROP_LABEL, 0, 0);
     l->mark[l->n_marks - 1].align = align;
+    l->mark[l->n_marks - 1].turn = turn;
     buf_append(&l->text, text, strlen(text) + 1);
     mark_point(l, xy[0], xy[1]);
+}
+
+void mark_shorten(struct backdrop_list *l, size_t n_at)
+{
+    l->mark[l->n_marks - 1].n -= l->n_at - n_at;
+    l->n_at = n_at;
 }
 
 void mark_cut(struct backdrop_list *l, size_t n_marks)

@@ -27,6 +27,22 @@ static const char *flat_unit(const struct grid *g, struct grid_named *x)
     return is_rotated(x->name) ? BACKDROP_DEGREE : NULL;
 }
 
+/* The legend has two bars: adds the name of the flat ground. */
+static void name_flat(const struct grid *g, char title[2 * BACKDROP_NAMED])
+{
+    struct grid_named n;
+    const bool known = grid_title(g->ground_title, 0, &n) && n.unit[0];
+    const size_t had = strlen(title);
+    snprintf(title + had, BACKDROP_NAMED, " (left); %.40s%s%.40s (right)",
+        known ? n.name : g->ground_name, known ? ", " : "", known ? n.unit : "");
+}
+
+bool backdrop_on_globe(const struct grid *g)
+{
+    struct grid_named x;
+    return !flat_unit(g, &x) && grid_title(g->title, 'x', &x) && x.unit[0];
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {
@@ -35,8 +51,9 @@ void backdrop_name(
     bool known = grid_title(second ? g->second_title : g->title, 0, &n->scalar);
     const char *name = second ? g->second_name : g->name, *unit_of = "";
     if (known && n->scalar.unit[0]) name = n->scalar.name, unit_of = n->scalar.unit;
-    snprintf(n->title, sizeof n->title, "%s%s%s%s",
+    snprintf(n->title, BACKDROP_NAMED, "%s%s%s%s",
         b->spec->n_profile && !second ? "deviation of " : "", name, *unit_of ? ", " : "", unit_of);
+    if (b->spec->flat && !title) name_flat(g, n->title);
     b->title = title ? title : n->title;
     b->flat = flat_unit(g, &n->x);
     known = grid_title(g->title, 'z', &n->z);
@@ -60,10 +77,12 @@ static bool same_title(const char *a, const char *b)
 
 bool backdrop_alike(const struct grid *a, const struct grid *b)
 {
-    if (!same_title(a->title, b->title) || !same_title(a->second_title, b->second_title))
+    if (!same_title(a->title, b->title) || !same_title(a->second_title, b->second_title) ||
+        !same_title(a->ground_title, b->ground_title))
         return false;
     for (int i = 0; i < 3; i++)
         if (a->n[i] != b->n[i] || memcmp(a->at[i], b->at[i], a->n[i] * sizeof *a->at[i]) != 0)
             return false;
-    return strcmp(a->name, b->name) == 0 && strcmp(a->second_name, b->second_name) == 0;
+    return strcmp(a->name, b->name) == 0 && strcmp(a->second_name, b->second_name) == 0 &&
+           strcmp(a->ground_name, b->ground_name) == 0;
 }

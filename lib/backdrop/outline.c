@@ -73,6 +73,19 @@ void outline_stroke(const struct drawing *s, const struct outline *o)
     for (int k = turn[0]; k <= turn[1]; k++) stroke_turn(s, o, k);
 }
 
+void outline_dot(const struct drawing *s, const struct outline *o)
+{
+    int turn[2];
+    struct halves h;
+    find_turns(s, o, turn);
+    for (int k = turn[0]; k <= turn[1]; k++)
+        for (size_t i = 0; i < o->n; i++) {
+            const struct outline_point p = turned(o->at[i], k);
+            struct piece piece = {.s = s};
+            if (outline_halves(s, p, p, &h)) put_point(&piece, p, true);
+        }
+}
+
 /* ---- areas ---------------------------------------------------------------------------------- */
 
 static bool is_large(const struct drawing *s, const struct outline_point *at, size_t n, int k)

@@ -43,6 +43,8 @@ struct outline_point outline_between(struct outline_point p, struct outline_poin
 
 /* Adds the visible pieces to the list's last mark. */
 void outline_stroke(const struct drawing *s, const struct outline *o);
+/* Adds the visible points, without lines between them. */
+void outline_dot(const struct drawing *s, const struct outline *o);
 /*
  * Adds the enclosed area to the list, as areas of this kind and colour; the last point equals the
  * first. An outline that goes round the globe encloses the area up to the nearer pole. False if the

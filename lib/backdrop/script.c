@@ -1,6 +1,7 @@
 /* script: the drawing for gnuplot, which gets pixels. */
 #include "backdrop/drawing.h"
 
+#define POINT 8.0 /* pixels: across a disc of pointsize 1 */
 #define UNIT .005 /* pngcairo places things at 200 units a pixel */
 
 /*
@@ -37,10 +38,12 @@ static void label(const struct backdrop_mark *m, const struct backdrop_list *l, 
     const struct backdrop_at *at = l->at + m->first;
     buf_printf(out, "set label ");
     quoted((const char *)buf_data(&l->text) + m->text, out);
-    buf_printf(out, " at %.2f,%.2f %s front noenhanced\n", at->x, at->y,
+    buf_printf(out, " at %.2f,%.2f %s front noenhanced", at->x, at->y,
         m->align < 0   ? "left"
         : m->align > 0 ? "right"
                        : "center");
+    if (m->turn != 0) buf_printf(out, " rotate by %.1f", m->turn);
+    buf_printf(out, "\n");
 }
 
 static void rectangle(const struct backdrop_mark *m, const struct backdrop_list *l, struct buf *out)
@@ -51,7 +54,12 @@ static void rectangle(const struct backdrop_mark *m, const struct backdrop_list 
         m->kind == BACKDROP_BOX ? "empty border" : "solid noborder fc", m->rgb);
 }
 
-static bool is_block(const struct backdrop_mark *m) { return m->kind <= BACKDROP_EDGES; }
+static bool is_block(const struct backdrop_mark *m) { return m->kind <= BACKDROP_DOTS; }
+
+static bool is_empty_left_out(enum backdrop_kind kind)
+{
+    return kind == BACKDROP_LINES || kind == BACKDROP_NUMBERED || kind == BACKDROP_DOTS;
+}
 
 /* The name of a block; area: the number of areas so far. */
 #define BLOCK 32
@@ -61,7 +69,9 @@ static void block_name(const struct backdrop_mark *m, int *area, char name[BLOCK
         [BACKDROP_AREA] = "$area",
         [BACKDROP_GRATICULE] = "$graticule",
         [BACKDROP_LINES] = "$lines",
-        [BACKDROP_EDGES] = "$edges"};
+        [BACKDROP_NUMBERED] = "$numbered",
+        [BACKDROP_EDGES] = "$edges",
+        [BACKDROP_DOTS] = "$dots"};
     if (m->kind == BACKDROP_AREA) snprintf(name, BLOCK, "%s%d", names[m->kind], (*area)++);
     else snprintf(name, BLOCK, "%s", names[m->kind]);
 }
@@ -84,6 +94,8 @@ static void plot(const struct backdrop_mark *m, const char *name, struct buf *ou
     buf_printf(out, ", %s with ", name);
     if (m->kind <= BACKDROP_AREA)
         buf_printf(out, "filledcurves closed fs solid noborder fc rgb '#%06x'", m->rgb);
+    else if (m->kind == BACKDROP_DOTS)
+        buf_printf(out, "points pt 7 ps %.3f lc rgb '#%06x'", m->width / POINT, m->rgb);
     else if (m->width < 1) buf_printf(out, "lines lw %.2g lc rgb '#%06x'", m->width, m->rgb);
     else buf_printf(out, "lines lc rgb '#%06x'", m->rgb);
 }
@@ -99,7 +111,7 @@ static void write_list(const struct backdrop_list *l, struct buf *out)
         else {
             block_name(m, &area, name);
             block(m, l, name, out);
-            if (m->n || m->kind != BACKDROP_LINES) plot(m, name, &plots);
+            if (m->n || !is_empty_left_out(m->kind)) plot(m, name, &plots);
         }
     }
     if (buf_size(&plots)) buf_consume(&plots, 2);

@@ -76,19 +76,18 @@ static bool pass_values(struct vtk_reader *r, struct vtk_type t, const struct gr
     return good;
 }
 
-bool grid_file_second(struct grid_file *f, char err[ERR_BYTES])
+bool grid_file_further(struct grid_file *f, char err[ERR_BYTES])
 {
     struct vtk_reader r = f->r;
     struct vtk_type t = f->type;
     struct grid h = {0};
     r.err = err;
-    r.further = true;
     bool good = pass_values(&r, t, &f->g);
     while (good && vtk_next_is(&r, "#")) {
         grid_free(&h);
         r.has[0] = r.has[1] = false;
         good = vtk_head(&r, &h, &t);
-        if (good && h.n[2] > 1) vtk_name_second(&f->g, &h);
+        if (good) vtk_name_further(&f->g, &h);
         good = good && pass_values(&r, t, &h);
     }
     grid_free(&h);

@@ -29,10 +29,12 @@ struct grid {
     char name[GRID_NAME];   /* name of the scalar */
     char title[GRID_TITLE]; /* second line of the file; holds the units */
     struct grid_brick brick;
+    bool flat; /* the file has one level: both levels here have its values; the first is in place */
     /* Further grids of the file; NULL: none. Not written again. */
     float *second; /* values of another field at the same nodes; NaN: both are missing */
     char second_name[GRID_NAME], second_title[GRID_TITLE]; /* its scalar's name, and its title */
-    struct grid *ground; /* one level, whose values are heights: n[2] and at[2] do not count */
+    struct grid *ground; /* one level of heights, or of values on a plane: n[2] is 1 */
+    char ground_name[GRID_NAME], ground_title[GRID_TITLE];
 };
 /* Index of node i, j, k. */
 static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
@@ -56,6 +58,8 @@ int grid_read(
 /* The number of values of the first grid by its head, which is in the first n bytes; 0: it is not,
  * or is wrong. */
 uint64_t grid_nodes(const unsigned char *start, size_t n);
+/* The share of the grid's base, 0 to 1, that lies over its ground. (circle.c) */
+double grid_over_ground(const struct grid *g);
 /* Reads a file; "-": standard input. */
 int grid_load(const char *path, struct grid *g, char err[ERR_BYTES]);
 /*
@@ -98,14 +102,16 @@ double grid_at(const struct grid *g, const double p[3]);
  * A grid file that is larger than memory (cut.c): the file is mapped, and its pages are returned as
  * they are read. It must not shrink meanwhile. "-" is standard input, which must be a file.
  * grid_file_open returns NULL with the message in err, and dies with status 2 if there is no such
- * file. grid_file_grid has no values. err stays in use until grid_file_cut has another one.
+ * file. grid_file_grid has no values, and one level if the file has. err stays in use until
+ * grid_file_cut has another one.
  */
 struct grid_file;
 struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES]);
 const struct grid *grid_file_grid(const struct grid_file *f);
-/* Sets name and title of the second field, if the file has one. Values are passed over. Call it
- * before grid_file_cut. False with a message in err if what follows the first grid is invalid. */
-bool grid_file_second(struct grid_file *f, char err[ERR_BYTES]);
+/* Sets names and titles of the second field and of the ground, if the file has them. Values are
+ * passed over. Call it before grid_file_cut. False with a message in err if what follows the first
+ * grid is invalid. */
+bool grid_file_further(struct grid_file *f, char err[ERR_BYTES]);
 void grid_file_close(struct grid_file *f);
 #define GRID_BRICKS_MAX 256 /* all are open at the same time */
 /*

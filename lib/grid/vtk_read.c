@@ -124,10 +124,6 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     *nodes = 1;
     for (int a = 0; a < 3; a++) {
         if (!vtk_count(r, what[a], a == 2 ? 1 : 2, INT32_MAX, &n)) return false;
-        if (n == 1 && !r->further)
-            return vtk_fail(r,
-                "the first grid has one level, as a field of x and y alone; expected "
-                "several: one level may follow them, as a ground (cat joins files)");
         g->n[a] = (uint32_t)n;
         /* At least one byte per node, so that nothing overflows later. */
         if (*nodes > (uint64_t)(r->end - r->bytes) / n)
@@ -233,10 +229,23 @@ static bool same_axes(const struct grid *g, const struct grid *h)
     return true;
 }
 
-void vtk_name_second(struct grid *g, const struct grid *h)
+void vtk_name_further(struct grid *g, const struct grid *h)
 {
-    memcpy(g->second_name, h->name, sizeof h->name);
-    memcpy(g->second_title, h->title, sizeof h->title);
+    const bool ground = h->n[2] == 1;
+    memcpy(ground ? g->ground_name : g->second_name, h->name, sizeof h->name);
+    memcpy(ground ? g->ground_title : g->second_title, h->title, sizeof h->title);
+}
+
+/* A second level with the values of the only one. */
+static void thicken(struct grid *g)
+{
+    const size_t n = (size_t)g->n[0] * g->n[1];
+    g->flat = true;
+    g->n[2] = 2;
+    g->at[2] = xrealloc(g->at[2], 2, sizeof *g->at[2]);
+    g->at[2][1] = g->at[2][0] + fmax(1, fabs(g->at[2][0]) * 0x1p-20);
+    g->value = xrealloc(g->value, 2 * n, sizeof *g->value);
+    memcpy(g->value + n, g->value, n * sizeof *g->value);
 }
 
 /* Makes h the ground or the second field of g. */
@@ -244,14 +253,20 @@ static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
 {
     if (g->brick.is || h->brick.is)
         return vtk_fail(r, "a brick and another grid, expected one of them");
+    vtk_name_further(g, h);
     if (h->n[2] == 1) {
         if (g->ground) return vtk_fail(r, "a second grid of one level, expected one at most");
         g->ground = xmalloc(1, sizeof *g->ground);
         *g->ground = *h;
         *h = (struct grid){0};
+        grid_turn_ground(g->ground, g);
         return true;
     }
+    if (g->flat)
+        return vtk_fail(
+            r, "a grid of several levels after one of one, expected it before that one");
     if (g->second) return vtk_fail(r, "a third grid of several levels, expected two at most");
+    if (!same_axes(g, h)) grid_turn_second(h, g);
     if (!same_axes(g, h))
         return vtk_fail(r, "a second grid with other coordinates, expected those of the first, or "
                            "one level: a ground");
@@ -261,16 +276,15 @@ static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
         else if (isnan(g->value[i])) h->value[i] = NAN;
     g->second = h->value;
     h->value = NULL;
-    vtk_name_second(g, h);
     return true;
 }
 
 static bool read_grid(struct vtk_reader *r, struct grid *g)
 {
     bool good = read_one(r, g);
+    if (good && g->n[2] == 1) thicken(g);
     while (good && vtk_next_is(r, "#")) {
         struct grid h = {0};
-        r->further = true;
         r->has[0] = r->has[1] = false;
         good = read_one(r, &h) && take_further(r, g, &h);
         grid_free(&h);
@@ -301,7 +315,7 @@ uint64_t grid_nodes(const unsigned char *start, size_t n)
         if (!vtk_count(&r, "nodes", 1, INT32_MAX, &planes) ||
             nodes > UINT32_MAX * UINT64_C(64) / planes)
             return 0;
-        nodes *= planes;
+        nodes *= a == 2 && planes == 1 ? 2 : planes;
     }
     return nodes;
 }

@@ -16,7 +16,6 @@ struct vtk_reader {
     bool down[3];        /* this axis descends in the file */
     unsigned char *kept; /* pages before this were returned; NULL: none were, and none may be */
     size_t line;         /* line number of `kept`, from 0 */
-    bool further;        /* this is not the first grid of the file */
     bool has[2];         /* the file has this array of a brick (vtk_brick.c) */
     double bounds[2][6]; /* its numbers: x from and to, y, z */
 };
@@ -30,8 +29,13 @@ bool vtk_brick_array(
 bool vtk_brick(struct vtk_reader *r, struct grid *g);
 /* Reads everything before the values, and their type. (vtk_read.c) */
 bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t);
-/* Notes the names of h as those of the second field of g. (vtk_read.c) */
-void vtk_name_second(struct grid *g, const struct grid *h);
+/* Notes the names of h as those of the ground of g, or of its second field. (vtk_read.c) */
+void vtk_name_further(struct grid *g, const struct grid *h);
+/* Moves a ground, or a second field, by whole circles to the longitudes of g, if both are in
+ * degrees. A ground of the whole globe then covers g; a second field gets the columns of g, if it
+ * has one at each of these longitudes. Otherwise nothing changes. (circle.c) */
+void grid_turn_ground(struct grid *ground, const struct grid *g);
+void grid_turn_second(struct grid *h, const struct grid *g);
 /* Reads n values, a row of the file, as they come or from the last to the first. Returns pages that
  * were read, if there are any to return. */
 bool vtk_row(struct vtk_reader *r, struct vtk_type t, uint32_t n, bool down, float *row);

@@ -121,9 +121,21 @@ static void label(const struct canvas *c, struct paint *p, const struct backdrop
     pango_layout_get_extents(p->layout, NULL, &r);
     const double wide = (double)r.width / PANGO_SCALE;
     const double base = (double)pango_layout_get_baseline(p->layout) / PANGO_SCALE;
-    cairo_move_to(
-        c->cr, at.x - wide * (m->align + 1) / 2, c->h - at.y + BASELINE * p->list.em - base);
+    cairo_save(c->cr);
+    cairo_translate(c->cr, at.x, c->h - at.y);
+    cairo_rotate(c->cr, -m->turn * G_PI / 180);
+    cairo_move_to(c->cr, -wide * (m->align + 1) / 2, BASELINE * p->list.em - base);
     pango_cairo_show_layout(c->cr, p->layout);
+    cairo_restore(c->cr);
+}
+
+static void discs(
+    const struct canvas *c, const struct backdrop_mark *m, const struct backdrop_at *at)
+{
+    for (size_t i = 0; i < m->n; i++) {
+        cairo_arc(c->cr, at[i].x, c->h - at[i].y, m->width / 2, 0, 2 * G_PI);
+        cairo_fill(c->cr);
+    }
 }
 
 static void mark(const struct canvas *c, struct paint *p, const struct backdrop_mark *m)
@@ -135,7 +147,9 @@ static void mark(const struct canvas *c, struct paint *p, const struct backdrop_
     case BACKDROP_AREA: fill(c, at, m->n); break;
     case BACKDROP_GRATICULE:
     case BACKDROP_LINES:
+    case BACKDROP_NUMBERED:
     case BACKDROP_EDGES: stroke(c, p, m); break;
+    case BACKDROP_DOTS: discs(c, m, at); break;
     case BACKDROP_PATCH:
     case BACKDROP_BOX: rectangle(c, m, at); break;
     case BACKDROP_LABEL: label(c, p, m); break;
@@ -174,7 +188,7 @@ bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, u
     cairo_surface_flush(cairo_get_target(c.cr));
     marks(&c, p, BACKDROP_GRATICULE, BACKDROP_EDGES);
     cairo_surface_mark_dirty(cairo_get_target(c.cr));
-    marks(&c, p, BACKDROP_PATCH, BACKDROP_BOX);
+    marks(&c, p, BACKDROP_DOTS, BACKDROP_BOX);
     marks(&c, p, BACKDROP_LABEL, BACKDROP_LABEL);
     return paint_pen_free(c.cr);
 }

@@ -128,6 +128,9 @@ bool spec_check_field(struct spec_reader *r)
         return spec_fail(r, "nothing is visible, expected map, iso or ground lines");
     if (!s->n_knots && s->n_colours)
         return spec_fail(r, "colour: no map, expected map lines, whose extinction it colours");
+    if (s->flat && s->n_grounds < 2)
+        return spec_fail(r, "flat: %zu ground lines, expected two or more, which colour it",
+            s->n_grounds);
     if (s->n_knots == 1) return spec_fail(r, "one map line, expected two or more");
     if (s->n_isos) qsort(s->iso, s->n_isos, sizeof *s->iso, by_value);
     for (size_t i = 1; i < s->n_isos; i++)

@@ -7,6 +7,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const char *const kinds[] = {
     [SPEC_FOG] = "fog",
@@ -26,6 +27,7 @@ bool spec_kind(const char *name, enum spec_kind *kind)
 
 #define MEAN_DEPTH 3 /* mean optical depth of the rays that cross the grid */
 #define MIDDLE .1    /* half of the part of the palette that the transparent middle has */
+#define LEAST .01f   /* of the first band: so much above the least value */
 #define PALE 2       /* extinction grows as this power of the place in the palette */
 #define REACH                                                                                      \
     2 /* a value farther from the middle than this, in distances of the bulk's end,
@@ -86,6 +88,12 @@ static struct bands bands_of(const struct spec_survey *v)
     return m;
 }
 
+/* The least value, which many nodes have, gets no colour. */
+static void drop_least(struct bands *m)
+{
+    if (m->n) m->band[0].lo += LEAST * (m->band[0].hi - m->band[0].lo);
+}
+
 /* Bands of one colour on either side of a middle that is transparent. */
 static struct bands bands_around(const struct spec_deviations *d)
 {
@@ -111,12 +119,12 @@ static struct bands bands_around(const struct spec_deviations *d)
 /* Scales extinctions so that a ray with this chord has the mean depth; 0: makes them 0. */
 static void set_depth(struct bands *m, double chord, double depth)
 {
-    double sum = 0, share = 0;
+    double sum = 0, share = 0; /* a sum of 0: all are transparent */
     for (int i = 0; i < m->n; i++) {
         sum += m->band[i].k[1] * m->band[i].share;
         share += m->band[i].share;
     }
-    for (int i = 0; i < m->n; i++)
+    for (int i = 0; i < m->n && sum > 0; i++)
         for (int end = 0; end < 2; end++) m->band[i].k[end] *= depth / chord / (sum / share);
 }
 
@@ -164,6 +172,7 @@ static void put_one_value(struct buf *out, double s, double k)
 
 #define LOW .05    /* the level of a slice is higher, in the grid's height */
 #define NORTH .6   /* the place of a slice along y */
+#define FLAT_OPACITY .8 /* of a flat field: coasts below it are seen */
 #define LAYERED .6 /* of the variance is between levels: a picture of the field shows little else */
 
 /* True if the field has both signs, alike on both sides of 0. */
@@ -188,21 +197,24 @@ static bool put_anomaly(const struct grid *g, const struct spec_survey *v,
     struct spec_deviations d;
     spec_survey_deviations(g, zero, &d);
     struct bands m = bands_around(&d);
-    set_depth(&m, chord, MEAN_DEPTH);
+    set_depth(&m, chord, g->flat ? 0 : MEAN_DEPTH);
     const bool any = m.n > 0;
     if (any) {
         put_palette(out, wish->palette, "vik");
         if (!zero) {
-            buf_printf(out,
-                "# The mean of each level is subtracted: it has %.3g %% of the variance.\n",
-                100 * v->by_level);
-            for (uint32_t k = 0; k < g->n[2]; k++) {
+            if (g->flat) buf_printf(out, "# The mean is subtracted.\n");
+            else
+                buf_printf(out,
+                    "# The mean of each level is subtracted: it has %.3g %% of the variance.\n",
+                    100 * v->by_level);
+            for (uint32_t k = 0; k < (g->flat ? 1 : g->n[2]); k++) {
                 char z[32];
                 print_real(z, g->at[2][k], 3);
                 if (!isnan(d.mean[k])) buf_printf(out, "profile %s %.9g\n", z, d.mean[k]);
             }
         }
-        buf_printf(out, "# The half of the values that is nearest to 0 is transparent.\n");
+        if (!g->flat)
+            buf_printf(out, "# The half of the values that is nearest to 0 is transparent.\n");
         put_bands(out, &m);
     }
     free(d.mean);
@@ -226,7 +238,15 @@ static double low_level(const struct grid *g)
 
 static void put_slices(struct buf *out, const struct grid *g)
 {
+    if (g->flat) {
+        buf_printf(out, "slice z %.9g %g\n", g->at[2][0], FLAT_OPACITY);
+        return;
+    }
     const double *x = g->at[0], *y = g->at[1];
+    if (spec_is_section(g)) {
+        buf_printf(out, "slice y %.9g 1\n", (y[0] + y[1]) / 2);
+        return;
+    }
     buf_printf(out, "slice x %.9g 1\n", (x[0] + x[g->n[0] - 1]) / 2);
     buf_printf(out, "slice y %.9g 1\n", y[0] + NORTH * (y[g->n[1] - 1] - y[0]));
     buf_printf(out, "slice z %.9g 1\n", low_level(g));
@@ -265,14 +285,67 @@ void spec_look(const struct grid *g, const struct spec_survey *v, const struct s
 {
     struct bands m = bands_of(v);
     enum spec_kind kind = wish->kind;
+    if (g->flat && kind != SPEC_ANOMALY) kind = is_signed(v) && !kind ? SPEC_ANOMALY : SPEC_SLICES;
+    if (g->flat && v->ground) drop_least(&m);
+    if (kind == SPEC_AUTO && spec_is_section(g)) kind = SPEC_SLICES;
     if (kind == SPEC_AUTO) kind = v->by_level > LAYERED || is_signed(v) ? SPEC_ANOMALY : SPEC_FOG;
-    if (kind == SPEC_ANOMALY && put_anomaly(g, v, wish, box->chord, out)) return;
+    if (kind == SPEC_ANOMALY && put_anomaly(g, v, wish, box->chord, out)) {
+        if (g->flat) put_slices(out, g);
+        return;
+    }
     put_palette(out, wish->palette, SPEC_STARTER_PALETTE);
     if (m.n == 0) {
-        put_one_value(out, (double)v->quantile[0], MEAN_DEPTH / box->chord);
+        put_one_value(out, (double)v->quantile[0], g->flat ? 0 : MEAN_DEPTH / box->chord);
+        if (g->flat) put_slices(out, g);
         return;
     }
     if (kind == SPEC_SURFACES) put_surfaces(out, &m, box->lamp);
     else put_fog(out, v, &m, box->chord, kind == SPEC_SLICES);
     if (kind == SPEC_SLICES) put_slices(out, g);
+}
+
+/* ---- the ground ------------------------------------------------------------------------------ */
+
+static const struct {
+    double metres, r, g, b;
+} heights[] = {{-9000, .005, .02, .1}, {-4000, .02, .07, .25}, {-200, .1, .25, .45},
+    {0, .25, .45, .6}, {0, .05, .18, .05}, {500, .2, .3, .1}, {1500, .35, .25, .12},
+    {3000, .3, .2, .15}, {5000, .85, .85, .85}};
+
+/* Blue below 0, green, brown and white above it. A unit other than metres gets the same range. */
+static void put_terrain(const struct grid *g, struct buf *out)
+{
+    struct grid_named z;
+    const bool km = grid_title(g->title, 'z', &z) && strcasecmp(z.unit, "km") == 0;
+    buf_printf(out, "# the ground, by its height\n");
+    for (size_t i = 0; i < sizeof heights / sizeof *heights; i++)
+        buf_printf(out, "ground %g %g %g %g\n", heights[i].metres / (km ? 1000 : 1), heights[i].r,
+            heights[i].g, heights[i].b);
+}
+
+void spec_put_ground(const struct grid *g, bool terrain, struct buf *out)
+{
+    double palette[SPEC_PALETTE_POINTS][3], rgb[3];
+    char lo[32], hi[32];
+    struct spec_survey v;
+    if (terrain) {
+        put_terrain(g, out);
+        return;
+    }
+    spec_survey(g->ground, &v);
+    struct bands m = bands_of(&v);
+    if (v.ground) drop_least(&m);
+    if (!v.there || !m.n) return;
+    spec_palette("magma", strlen("magma"), palette);
+    buf_printf(out, "# the flat field, by its values\nflat %.9g %g\n", g->at[2][0], FLAT_OPACITY);
+    for (int i = 0; i < m.n; i++) {
+        const struct band *b = &m.band[i];
+        spec_palette_at((const double(*)[3])palette, 1 - b->place[0], rgb);
+        if (i == 0) print_outer(lo, b->lo, true);
+        else print_float(lo, b->lo, 3);
+        if (i + 1 == m.n) print_outer(hi, b->hi, false);
+        else print_float(hi, b->hi, 3);
+        for (int end = 0; end < 2; end++)
+            buf_printf(out, "ground %s %.3g %.3g %.3g\n", end ? hi : lo, rgb[0], rgb[1], rgb[2]);
+    }
 }

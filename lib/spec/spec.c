@@ -39,6 +39,7 @@ enum word {
     SLICE,
     TINT,
     GROUND,
+    FLAT,
     PROFILE
 };
 struct range {
@@ -78,6 +79,7 @@ static const struct {
     [SLICE] = {"slice", {COORDINATE("place"), {"opacity", 0, 1}}, true}, /* after its axis */
     [TINT] = {"colour", {COORDINATE("value"), COLOUR}, true},
     [GROUND] = {"ground", {COORDINATE("height"), COLOUR}, true},
+    [FLAT] = {"flat", {COORDINATE("z"), {"opacity", 0, 1}}, false},
     [PROFILE] = {"profile", {COORDINATE("z"), COORDINATE("value")}, true},
 };
 /* Lines whose colour is a place in the palette. */
@@ -178,6 +180,10 @@ static bool take_line(struct spec_reader *r, enum word word, const double *v, do
     case SLICE: return spec_add_slice(r, (int)place, v);
     case TINT: return spec_add_knot(r, SPEC_COLOURS, v, place);
     case GROUND: return spec_add_knot(r, SPEC_GROUND, v, place);
+    case FLAT:
+        s->flat = true;
+        s->flat_at = v[0], s->flat_opacity = v[1];
+        break;
     case PROFILE: return spec_add_level(r, v);
     }
     return true;
@@ -255,7 +261,7 @@ static bool read_line(struct spec_reader *r)
     if (w == WORDS)
         return fail_word(r, "line", "first word",
             "from, at, up, angle, resolution, light, attenuation, scale, limit, background, "
-            "palette, clip, map, iso, slice, colour, ground or profile");
+            "palette, clip, map, iso, slice, colour, ground, flat or profile");
     const char *name = words[w].name;
     if (r->seen >> w & 1 && !words[w].many)
         return spec_fail(r, "%s: twice, expected it once", name);

@@ -44,6 +44,8 @@ struct spec {
     size_t n_colours;
     struct spec_knot *ground; /* by the height of the ground; none: it is not seen; k = 0 */
     size_t n_grounds;
+    bool flat; /* the ground is a plane, which its values colour; transparent beyond the knots */
+    double flat_at, flat_opacity; /* in the grid's coordinates; 0 .. 1 */
     struct spec_level *profile; /* ascending by z; none: nothing is subtracted */
     size_t n_profile;
     bool clipped;

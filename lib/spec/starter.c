@@ -10,6 +10,9 @@
 #define HEIGHT .25 /* least height of the box, in its longest side */
 #define WIDTH .125 /* least width or depth */
 #define TALL 4     /* greatest height */
+#define FLAT .01   /* height of a flat grid */
+#define WALL .5    /* least height of a section */
+#define THIN .02   /* least width of it */
 #define ANGLE 30   /* degrees */
 #define FILL .9    /* part of the frame that the box fills */
 #define TURNS 50   /* of a fit; each brings the box to a part of the last error */
@@ -17,7 +20,7 @@
 struct frame {
     double scale[3];
     struct vec3 lo, hi; /* corners of the box, scaled */
-    struct vec3 from, at;
+    struct vec3 from, at, towards, up; /* towards: the eye */
     double step; /* to which places are rounded: a thousandth of the frame's width, or less */
 };
 
@@ -44,13 +47,15 @@ static double six_digits(double v)
 /* False if no scale that a specification may have is large enough. */
 static bool set_scale(const struct grid *g, struct frame *f, const struct grid_named unit[3])
 {
+    const bool section = spec_is_section(g);
     double e[3];
     for (int a = 0; a < 3; a++) e[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double longest = fmax(e[0], e[1]);
     const double base = longest > 1e9 ? 1e-9 : longest < 1e-9 ? 1e9 : 1;
     for (int a = 0; a < 3; a++) {
-        double least = a == 2 ? HEIGHT : WIDTH, fitting = 1;
-        bool same = a != 2 || strcmp(unit[0].unit, unit[2].unit) == 0;
+        const double level = g->flat ? FLAT : section ? WALL : HEIGHT;
+        double least = a == 2 ? level : section ? THIN : WIDTH, fitting = 1;
+        bool same = a != 2 || (!g->flat && strcmp(unit[0].unit, unit[2].unit) == 0);
         if (e[a] < least * longest || !same) fitting = least * longest / e[a];
         else if (e[a] > TALL * longest) fitting = TALL * longest / e[a];
         f->scale[a] = six_digits(fmax(base * fmin(fitting, base > 1 ? 1 : 1e9), 1e-9));
@@ -76,24 +81,26 @@ static void outline(const struct frame *f, const struct camera *c, double lo[2],
     }
 }
 
-/* Finds the eye from which the box fills the frame. */
-static void set_view(struct frame *f, uint32_t w, uint32_t h)
+/* Finds the eye from which the box fills the frame: in the south, a little in the west, and above;
+ * nearly level before a section; of a flat grid above. */
+static void set_view(struct frame *f, const struct grid *g, uint32_t w, uint32_t h)
 {
-    const struct vec3 towards =
-        v3_unit(v3(-.35, -1, .9)); /* the eye: south, a little west, above */
+    const struct vec3 oblique = spec_is_section(g) ? v3(-.1, -1, .12) : v3(-.35, -1, .9);
+    f->towards = g->flat ? v3(0, 0, 1) : v3_unit(oblique);
+    f->up = g->flat ? v3(0, 1, 0) : v3(0, 0, 1);
     const double size = v3_len(v3_sub(f->hi, f->lo));
     double distance = 2 * size, lo[2], hi[2];
     f->at = v3_scale(v3_add(f->lo, f->hi), .5);
     for (int turn = 0; turn < TURNS; turn++) {
-        f->from = v3_mad(f->at, towards, distance);
-        struct camera c = camera_new(f->from, f->at, v3(0, 0, 1), ANGLE);
+        f->from = v3_mad(f->at, f->towards, distance);
+        struct camera c = camera_new(f->from, f->at, f->up, ANGLE);
         c.w = w, c.h = h;
         outline(f, &c, lo, hi);
         f->at = v3_mad(f->at, c.right, distance * (lo[0] + hi[0]) / 2 * w / h);
         f->at = v3_mad(f->at, c.up, distance * (lo[1] + hi[1]) / 2);
         distance = fmax(distance * fmax(hi[0] - lo[0], hi[1] - lo[1]) / 2 / FILL, size);
     }
-    f->from = v3_mad(f->at, towards, distance);
+    f->from = v3_mad(f->at, f->towards, distance);
     f->step = pow(10, floor(log10(distance * fmin(1, (double)w / h))) - 3);
 }
 
@@ -108,6 +115,26 @@ static void put_place(struct buf *out, const char *word, struct vec3 p, double s
 {
     buf_printf(out, "%s %.15g %.15g %.15g\n", word, round(p.x / step) * step,
         round(p.y / step) * step, round(p.z / step) * step);
+}
+
+/* ---- the ground ------------------------------------------------------------------------------ */
+
+#define TERRAIN .002 /* of the grid's height: heights of a terrain differ by more */
+
+/* True if the values of the ground are heights in the unit of z that differ enough to be seen. */
+static bool is_terrain(const struct grid *g)
+{
+    struct grid_named z, h;
+    float lo = HUGE_VALF, hi = -HUGE_VALF; /* fminf and fmaxf pass over NaN */
+    const struct grid *of = g->ground;
+    if (g->flat) return false;
+    if (!grid_title(g->title, 'z', &z)) z.unit[0] = '\0';
+    if (!grid_title(of->title, 0, &h)) h.unit[0] = '\0';
+    if (strcmp(z.unit, h.unit) != 0 && !(metres(z.unit) > 0 && metres(z.unit) == metres(h.unit)))
+        return false;
+    for (size_t i = 0; i < grid_node(of, 0, 0, 1); i++)
+        lo = fminf(lo, of->value[i]), hi = fmaxf(hi, of->value[i]);
+    return (double)hi - (double)lo > TERRAIN * (g->at[2][g->n[2] - 1] - g->at[2][0]);
 }
 
 /* ---- comments ------------------------------------------------------------------------------- */
@@ -130,10 +157,10 @@ static void put_about(struct buf *out, const struct grid *g, const struct spec_s
     print_float(lo, v->quantile[0], 3), print_float(hi, v->quantile[SPEC_RANKS - 1], 3);
     buf_printf(out, ": %s to %s ", lo, hi);
     if (known) put_words(out, scalar.unit);
-    buf_printf(out, " at %u x %u x %u nodes", g->n[0], g->n[1], g->n[2]);
+    buf_printf(out, " at %u x %u x %u nodes", g->n[0], g->n[1], g->flat ? 1 : g->n[2]);
     if (v->there < v->nodes)
         buf_printf(out, ", %.3g %% missing", 100 - 100 * ((double)v->there / (double)v->nodes));
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < (g->flat ? 2 : 3); a++) {
         double from = g->at[a][0], to = g->at[a][g->n[a] - 1];
         bool down = unit[a].down;
         buf_printf(
@@ -229,16 +256,18 @@ bool spec_starter(
         if (!grid_title(g->title, "xyz"[a], &unit[a])) unit[a] = (struct grid_named){.down = false};
     if (!set_scale(g, &f, unit))
         return err_set(err, "an axis is 1e9 times as long as another, expected lengths closer");
-    set_view(&f, wish->w, wish->h);
+    set_view(&f, g, wish->w, wish->h);
 
     put_about(out, g, &v, unit);
     put_place(out, "from", f.from, f.step);
     put_place(out, "at", f.at, f.step);
-    buf_printf(out, "up 0 0 1\nangle %d\nresolution %u %u\n", ANGLE, wish->w, wish->h);
-    put_stretch(out, &f, unit);
+    buf_printf(out, "up 0 %g %g\nangle %d\nresolution %u %u\n", f.up.y, f.up.z, ANGLE, wish->w,
+        wish->h);
+    if (!g->flat) put_stretch(out, &f, unit);
     buf_printf(out, "scale %.6g %.6g %.6g\n", f.scale[0], f.scale[1], f.scale[2]);
     buf_printf(out, "background .02 .02 .025\n");
-    if (wish->kind == SPEC_AUTO && is_tomogram(g))
+    if (g->ground) spec_put_ground(g, is_terrain(g), out);
+    if (wish->kind == SPEC_AUTO && !g->flat && is_tomogram(g))
         return put_tissues(out, &f, mean_chord(&f, v.part)), true;
     const struct spec_box box = {.chord = mean_chord(&f, v.part), .lamp = lamp(&f)};
     spec_look(g, &v, wish, &box, out);

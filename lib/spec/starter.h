@@ -22,6 +22,8 @@ struct spec_survey {
     double by_level;            /* the part of the variance that the levels' means explain */
 };
 void spec_survey(const struct grid *g, struct spec_survey *v);
+/* True if y has two rows with the same values: a vertical section. */
+bool spec_is_section(const struct grid *g);
 
 /* Deviations from a profile. Their magnitudes at these parts of all of them bound bands. */
 #define SPEC_CUTS 6
@@ -43,5 +45,7 @@ struct spec_box {
 /* Appends the lines that say how the field is seen. */
 void spec_look(const struct grid *g, const struct spec_survey *v, const struct spec_wish *wish,
     const struct spec_box *box, struct buf *out);
+/* Appends the lines of the ground of g, whose values are heights of a terrain, or flat. */
+void spec_put_ground(const struct grid *g, bool terrain, struct buf *out);
 
 #endif

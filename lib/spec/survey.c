@@ -129,3 +129,15 @@ void spec_survey_deviations(const struct grid *g, bool from_zero, struct spec_de
     d->cut[SPEC_CUTS - 1] = fmaxf(-d->least, d->most);
     free(sample);
 }
+
+bool spec_is_section(const struct grid *g)
+{
+    const size_t row = g->n[0];
+    if (g->n[1] != 2) return false;
+    for (size_t k = 0; k < g->n[2]; k++)
+        for (size_t i = 0; i < row; i++) {
+            const float a = g->value[2 * k * row + i], b = g->value[(2 * k + 1) * row + i];
+            if (a != b && !(isnan(a) && isnan(b))) return false;
+        }
+    return true;
+}

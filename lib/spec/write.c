@@ -58,6 +58,7 @@ void spec_write(const struct spec *s, struct buf *out)
             s->clip[1][1], s->clip[2][1]};
         put_line(out, "clip", v, 6);
     }
+    if (s->flat) put_line(out, "flat", (double[]){s->flat_at, s->flat_opacity}, 2);
     for (size_t i = 0; i < s->n_profile; i++)
         put_line(out, "profile", (double[]){s->profile[i].z, s->profile[i].s}, 2);
     put_knots(out, "map", s->knot, s->n_knots, true);

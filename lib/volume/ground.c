@@ -1,6 +1,7 @@
 /*
- * ground: an opaque surface of heights, bilinear between nodes, that ends rays. It is a sheet: seen
- * from above and from below, without sides.
+ * ground: a surface of heights, bilinear between nodes, that ends rays. It is a sheet: seen from
+ * above and from below, without sides. It is opaque, or flat and of some opacity: then its values
+ * are colours only.
  *
  * A ray passes from cell to cell as in walk.c: the time at a plane is that of the plane, so it is
  * the same number for the cells on both sides. Above a cell, the ray's height over the ground is a
@@ -23,6 +24,8 @@ struct ground {
     double scale;        /* of heights */
     double bounds[3][2]; /* where it may be met: of the ground, and of the clip box */
     struct map colour;   /* by the height before scale */
+    bool flat;
+    double at, opacity; /* of a flat one, scaled */
 };
 
 /* A ray, from where it may meet the ground. */
@@ -57,6 +60,7 @@ static void set_bounds(struct ground *g, const struct spec *s)
         if (isnan(z)) continue;
         lo = fmin(lo, z), hi = fmax(hi, z);
     }
+    if (g->flat) lo = hi = g->at;
     for (int a = 0; a < 2; a++) {
         g->bounds[a][0] = g->plane[a][0];
         g->bounds[a][1] = g->plane[a][g->cells[a]];
@@ -80,6 +84,9 @@ struct ground *ground_new(const struct grid *of, const struct spec *s)
     struct ground *g = xcalloc(1, sizeof *g);
     g->g = of;
     g->scale = s->scale[2];
+    g->flat = s->flat;
+    g->at = s->flat_at * s->scale[2];
+    g->opacity = s->flat ? s->flat_opacity : 1;
     for (int a = 0; a < 2; a++) {
         const uint32_t n = of->n[a];
         g->cells[a] = n - 1;
@@ -89,7 +96,8 @@ struct ground *ground_new(const struct grid *of, const struct spec *s)
             g->plane[a][i] = of->at[a][g->turned[a] ? n - 1 - i : i] * s->scale[a];
     }
     set_bounds(g, s);
-    map_init_colours(&g->colour, s->ground, s->n_grounds);
+    if (s->flat) map_init(&g->colour, s->ground, s->n_grounds);
+    else map_init_colours(&g->colour, s->ground, s->n_grounds);
     return g;
 }
 
@@ -175,12 +183,17 @@ static bool patch_of(const struct over *r, double end, struct patch *p)
     for (int c = 0; c < 4; c++)
         p->h[c] = (double)height(g, r->i[0] + (c & 1), r->i[1] + (c >> 1)) * g->scale;
     if (isnan(p->h[0] + p->h[1] + p->h[2] + p->h[3])) return false;
+    p->q[2] = p->q[3] = 0;
+    if (g->flat) {
+        p->q[0] = r->o[2] + r->t * r->d[2] - g->at;
+        p->q[1] = (end - r->t) * r->d[2];
+        return true;
+    }
     const double x = p->h[1] - p->h[0], y = p->h[2] - p->h[0], xy = p->h[3] - p->h[2] - x;
     const double *u = p->u, *delta = p->delta;
     p->q[0] = (r->o[2] - p->h[0] + r->t * r->d[2]) - (u[0] * x + u[1] * (y + u[0] * xy));
     p->q[1] = (end - r->t) * r->d[2] - delta[0] * (x + u[1] * xy) - delta[1] * (y + u[0] * xy);
     p->q[2] = -delta[0] * delta[1] * xy;
-    p->q[3] = 0;
     return true;
 }
 
@@ -208,14 +221,17 @@ static double crossing_of(const struct patch *p, bool above)
     return -1;
 }
 
-static void shade(
+/* False if the ground has no colour there. */
+static bool shade(
     const struct over *r, const struct spec *s, const struct patch *p, double w, struct meeting *m)
 {
     const double u = p->u[0] + w * p->delta[0], v = p->u[1] + w * p->delta[1];
     const double x = p->h[1] - p->h[0], y = p->h[2] - p->h[0], xy = p->h[3] - p->h[2] - x;
     const double z = (p->h[0] + u * x + v * (y + u * xy)) / r->g->scale;
     double light = s->attenuation > 0 ? volume_exp(-s->attenuation * m->t) : 1;
-    if (s->lit) {
+    const int span = map_find(&r->g->colour, z);
+    if (span < 0) return false;
+    if (s->lit && !s->flat) {
         const struct vec3 n = v3(-(x + v * xy) / p->edge[0], -(y + u * xy) / p->edge[1], 1);
         const struct vec3 at = v3_mad(v3_of(s->from), v3_of(r->d), m->t);
         const struct vec3 l = v3_sub(v3_of(s->light), at);
@@ -223,8 +239,10 @@ static void shade(
         if (size > 0)
             light *= VOLUME_AMBIENT + (1 - VOLUME_AMBIENT) * fabs(v3_dot(n, l)) / sqrt(size);
     }
-    map_colour(&r->g->colour.span[map_find(&r->g->colour, z)], z, m->rgb);
-    for (int c = 0; c < 3; c++) m->rgb[c] *= light;
+    map_colour(&r->g->colour.span[span], z, m->rgb);
+    for (int c = 0; c < 3; c++) m->rgb[c] *= light * r->g->opacity;
+    m->through = 1 - r->g->opacity;
+    return true;
 }
 
 /* A time behind the ground by more than rounding: what is in the ground's place is before it. */
@@ -252,7 +270,8 @@ struct meeting ground_meet(const struct ground *g, const struct spec *s, struct 
             const double w = there ? crossing_of(&p, above) : -1;
             m.is = w >= 0;
             m.t = before + r.t + w * (end - r.t);
-            if (m.is) shade(&r, s, &p, w, &m), m.t = behind(&r, m.t, s->from[2]);
+            if (m.is && !shade(&r, s, &p, w, &m)) return (struct meeting){.is = false};
+            if (m.is) m.t = behind(&r, m.t, s->from[2]);
         }
         if (!pass(&r, next, end)) break;
     }

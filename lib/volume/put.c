@@ -14,5 +14,5 @@ void volume_put_ground(const struct volume *v, const struct meeting *m, const do
 {
     double sum[3];
     for (int c = 0; c < 3; c++) sum[c] = rgb[c] + transmittance * m->rgb[c];
-    volume_put(v, sum, 0, rgba);
+    volume_put(v, sum, transmittance * m->through, rgba);
 }

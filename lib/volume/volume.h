@@ -24,8 +24,9 @@
  * same on both sides). If s has no gradient, the factor is 1.
  *
  * If the specification has colours of a second field, c is a function of that field instead of s. A
- * slice is a plane in the colours of the map. The ground is an opaque surface that ends rays.
- * Light does not change slices. A clip box hides everything outside.
+ * slice is a plane in the colours of the map. The ground is a surface that ends rays: opaque, or
+ * flat and of some opacity. Light does not change slices and a flat ground. A clip box hides
+ * everything outside.
  *
  * The pixels depend only on grid, specification, options and the frame's size. The SIMD width, and
  * the order and grouping of pixels do not change a bit.

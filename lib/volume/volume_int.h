@@ -84,10 +84,11 @@ double cubic_root(const double p[4], double a, double b, double y);
 /* ---- the ground (ground.c) ------------------------------------------------------------------ */
 
 struct ground;
-/* Where a ray meets the ground: distance from the eye; colour, with light and attenuation. */
+/* Where a ray meets the ground: distance from the eye; colour, with light and attenuation, times
+ * opacity; the part of the light from behind the picture that passes. */
 struct meeting {
     bool is;
-    double t, rgb[3];
+    double t, rgb[3], through;
 };
 /* Keeps pointers to `of`, the ground of a grid. Never NULL. */
 struct ground *ground_new(const struct grid *of, const struct spec *s);

@@ -274,8 +274,7 @@ static void test_further(void **state)
         grid_free(&g);
     }
     static const char *const bad[][2] = {
-        {GROUND,
-            "t:5: the first grid has one level, as a field of x and y alone; expected several"},
+        {GROUND FIRST, "a grid of several levels after one of one, expected it before that one"},
         {FIRST GROUND GROUND, "a second grid of one level, expected one at most"},
         {FIRST SECOND SECOND, "a third grid of several levels, expected two at most"},
         {FIRST HEAD "DIMENSIONS 2 2 2\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 2 float\n10 12\n"
@@ -294,6 +293,71 @@ static void test_further(void **state)
         if (!strstr(err, bad[i][1])) fail_msg("%zu: %s, expected %s", i, err, bad[i][1]);
         assert_true(!g.value && !g.second && !g.ground);
     }
+}
+
+/* One level alone becomes two, with its values. */
+static void test_flat(void **state)
+{
+    (void)state;
+    struct grid g = parse(GROUND);
+    assert_true(g.flat && g.n[2] == 2 && g.at[2][0] == 7 && g.at[2][1] > 7 && !g.ground);
+    for (size_t k = 0; k < 12; k++) assert_true(g.value[k] == (float)(k % 6 + 1));
+    assert_int_equal(grid_nodes((const unsigned char *)GROUND, sizeof GROUND - 1), 12);
+    grid_free(&g);
+    g = parse(GROUND GROUND);
+    assert_true(g.flat && g.ground && g.ground->n[2] == 1 && !strcmp(g.ground_name, "h"));
+    grid_free(&g);
+}
+
+/* Four columns of a circle, from 0 on, and those of a part of it, from 300 on. */
+#define HEADED "# vtk DataFile Version 3.0\ns [K]; x lon [degrees_east]\nASCII\n"                 \
+               "DATASET RECTILINEAR_GRID\n"
+#define Y2 "Y_COORDINATES 2 float\n1 2\n"
+#define EARTH(nx, x, nz, z, n, values)                                                             \
+    HEADED "DIMENSIONS " #nx " 2 " #nz "\nX_COORDINATES " #nx " float\n" x "\n" Y2                 \
+           "Z_COORDINATES " #nz " float\n" z "\nPOINT_DATA " #n                                    \
+           "\nSCALARS s float\nLOOKUP_TABLE d\n" values "\n"
+#define WEST EARTH(3, "-180 -90 0", 2, "0 1", 12, "1 1 1 1 1 1 1 1 1 1 1 1")
+
+static void is_row(const struct grid *g, const double *x, const float *value, uint32_t n)
+{
+    assert_int_equal(g->n[0], n);
+    for (uint32_t i = 0; i < n; i++) {
+        assert_true(g->at[0][i] == x[i]);
+        for (uint32_t row = 0; row < 2; row++) {
+            const float v = g->value[row * n + i];
+            assert_true(isnan(value[i]) ? isnan(v) : v == value[i] + 10 * (float)row);
+        }
+    }
+}
+
+/* Further grids are moved by whole circles to the first one. */
+static void test_turned(void **state)
+{
+    (void)state;
+    struct grid g = parse(WEST EARTH(4, "0 90 180 270", 1, "0", 8, "0 1 2 3 10 11 12 13"));
+    is_row(g.ground, (double[]){-180, -90, 0}, (float[]){2, 3, 0}, 3);
+    assert_true(grid_over_ground(&g) == 1);
+    grid_free(&g);
+    g = parse(WEST EARTH(4, "45 135 225 315", 1, "0", 8, "0 1 2 3 10 11 12 13"));
+    is_row(g.ground, (double[]){-225, -135, -45, 45}, (float[]){1, 2, 3, 0}, 4);
+    grid_free(&g);
+    /* On both sides of the seam, with nothing between. */
+    g = parse(EARTH(3, "-180 0 180", 2, "0 1", 12, "1 1 1 1 1 1 1 1 1 1 1 1")
+            EARTH(3, "170 180 190", 1, "0", 6, "0 1 2 10 11 12"));
+    is_row(g.ground, (double[]){-180, -170, 0, 170, 180}, (float[]){1, 2, NAN, 0, 1}, 5);
+    assert_true(fabs(grid_over_ground(&g) - 2. / 3) < 1e-9);
+    grid_free(&g);
+    /* A second field, whose columns are found again; another one is refused. */
+    g = parse(WEST EARTH(4, "0 90 180 270", 2, "0 1", 16, "0 1 2 3 4 5 6 7 0 1 2 3 4 5 6 7"));
+    assert_true(g.second[0] == 2 && g.second[1] == 3 && g.second[2] == 0 && g.second[3] == 6);
+    grid_free(&g);
+    assert_refused(WEST EARTH(3, "0 91 180", 2, "0 1", 12, "0 1 2 3 4 5 0 1 2 3 4 5"),
+        "a second grid with other coordinates");
+    /* Without degrees nothing is moved. */
+    g = parse(FIRST GROUND);
+    assert_true(g.ground->at[0][0] == 0 && g.ground->n[0] == 3);
+    grid_free(&g);
 }
 
 static void test_truncated(void **state)
@@ -447,6 +511,8 @@ int main(void)
         cmocka_unit_test(test_binary),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_further),
+        cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_turned),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_values),

@@ -158,10 +158,10 @@ static void test_refused(void **state)
             "t:4: no 'resolution', expected from, at, up, angle and resolution"},
         {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
                        "light, attenuation, scale, limit, background, palette, clip, map, iso, "
-                       "slice, colour, ground or profile"},
+                       "slice, colour, ground, flat or profile"},
         {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
                           "resolution, light, attenuation, scale, limit, background, palette, "
-                          "clip, map, iso, slice, colour, ground or profile"},
+                          "clip, map, iso, slice, colour, ground, flat or profile"},
         {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
         {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
         {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
@@ -205,6 +205,10 @@ static void test_refused(void **state)
             "t:7: colour: no map, expected map lines, whose extinction it colours"},
         {VIEW "palette vik\nground 1 0 0 0 1",
             "t:7: ground: next word is '1', expected the line's end"},
+        {VIEW MAP "flat 1 .5\nground 1 0 0 0",
+            "t:9: flat: 1 ground lines, expected two or more, which colour it"},
+        {VIEW "flat 1 1.5", "t:6: flat: opacity is '1.5', expected a number from 0 to 1"},
+        {VIEW "flat 1 1\nflat 2 1", "t:7: flat: twice, expected it once"},
         {VIEW "palette vik\nground 1 2",
             "t:7: ground: place is '2', expected a number from 0 to 1"},
         {VIEW "profile 1", "t:6: profile: no value, expected a number from -1e+18 to 1e+18"},
@@ -278,6 +282,7 @@ static bool same_spec(const struct spec *a, const struct spec *b)
            a->opacity_limit == b->opacity_limit && a->backed == b->backed &&
            same_bits(a->background, b->background, sizeof a->background) &&
            a->n_knots == b->n_knots && a->n_isos == b->n_isos && same_slices(a, b) &&
+           a->flat == b->flat && a->flat_at == b->flat_at && a->flat_opacity == b->flat_opacity &&
            a->n_colours == b->n_colours && a->n_grounds == b->n_grounds &&
            a->clipped == b->clipped && same_bits(a->knot, b->knot, a->n_knots * sizeof *a->knot) &&
            same_bits(a->iso, b->iso, a->n_isos * sizeof *a->iso) &&
@@ -293,7 +298,7 @@ static void test_written(void **state)
         "from 1e-17 -5.000000000000001 2\nat 1 2 3\nup .1 .2 .3\nangle 1e-6\nresolution 1 65535\n"
         "light -1 .3 3\nattenuation .001\nscale 1 -.0010000000000000002 1e9\nlimit 1\n"
         "background .02 .3 0\nclip -1 -2 -3 1 2 3.3\npalette vik\nmap 1 .1 .3\nmap 1 .4 .3\n"
-        "map 7 .9 0\ncolour 1 0\ncolour 2 1\nground 0 .3\nground 5 .6\niso 3 .2 .5\n"
+        "map 7 .9 0\ncolour 1 0\ncolour 2 1\nground 0 .3\nground 5 .6\nflat 2 .7\niso 3 .2 .5\n"
         "iso 1 9 9 9 .1\nslice z 1 .5\nslice x -.1 1\n",
         VIEW "ground 1 1 1 1\n"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {

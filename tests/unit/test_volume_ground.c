@@ -151,6 +151,33 @@ static void it_is_behind_what_is_in_its_place(void **state)
 }
 
 /* What a specification names must be there. */
+/* A flat ground has the colours of its values, without light, and lets some of the background
+ * through; where they have no colour, it is not there. */
+static void it_may_be_flat(void **state)
+{
+    (void)state;
+    struct grid g = with_ground(9, 9, slope);
+    struct spec_knot ground[] = {{0, {0, 1, 0}, 0}, {4, {1, 0, 0}, 0}};
+    const double value = 2.15, fog = .2 * (10 - 5), seen = exp(-fog);
+    const struct volume_options *all[] = {&usual, &gauss};
+    for (int i = 0; i < 2; i++) {
+        struct scene c = make_scene(above, below);
+        float p[4];
+        knot(&c, 0, 0, 0, 1, .2), knot(&c, 10, 0, 0, 1, .2);
+        c.s.ground = ground, c.s.n_grounds = 2;
+        c.s.flat = true, c.s.flat_at = 5, c.s.flat_opacity = .75;
+        render(&g, &c.s, all[i], p, NULL);
+        near((double)p[0], .75 * seen * value / 4, 1e-6);
+        near((double)p[1], .75 * seen * (1 - value / 4), 1e-6);
+        near((double)p[2], 1 - seen, 1e-6), near((double)p[3], 1 - .25 * seen, 1e-6);
+        ground[1].s = 2;
+        render(&g, &c.s, all[i], p, NULL);
+        near((double)p[2], 1 - exp(-2), 1e-6), near((double)p[3], 1 - exp(-2), 1e-6);
+        ground[1].s = 4;
+    }
+    grid_free(&g);
+}
+
 static void it_must_be_there(void **state)
 {
     (void)state;
@@ -177,6 +204,7 @@ int main(void)
         cmocka_unit_test(no_ray_slips_through),
         cmocka_unit_test(it_is_seen_in_a_face_of_the_clip_box),
         cmocka_unit_test(it_is_behind_what_is_in_its_place),
+        cmocka_unit_test(it_may_be_flat),
         cmocka_unit_test(it_must_be_there),
     };
     return cmocka_run_group_tests_name("volume: ground", tests, NULL, NULL);
