@@ -2,7 +2,7 @@
  * job: says what the files of a run mean, and writes their state records.
  *
  * lib/job has the rules. This program asks the renderer for the frames, which knows what a picture
- * depends on. For a scene of POV-Ray, povworker knows the files.
+ * depends on. For a scene of POV-Ray or Blender, its worker knows the files.
  */
 #include "job/job.h"
 #include "base/base.h"
@@ -36,7 +36,7 @@ static const char usage_text[] = "[-h] [-e FRAMES] FILE ...\n"
                                  "       job -i ... SCENE.nff ... VIEW ...\n"
                                  "       job -i ... GRID.vtk ... SPEC ...\n"
                                  "       job -i ... GRID.vtk\n"
-                                 "       job -i ... SCENE.pov [FILE ...]";
+                                 "       job -i ... SCENE.pov|SCENE.blend [FILE ...]";
 
 static struct options parse(int argc, char **argv)
 {
@@ -120,7 +120,7 @@ static char **command(const struct options *o, char *const first[], size_t n_fir
     for (size_t i = 0; i < n_first; i++) words[n++] = first[i];
     words[n++] = end;
     words[n++] = j->path[at];
-    for (size_t i = j->what == JOB_POV ? 1 : j->subjects; i < j->n; i++) words[n++] = j->path[i];
+    for (size_t i = job_foreign(j) ? 1 : j->subjects; i < j->n; i++) words[n++] = j->path[i];
     if (j->starter) words[n++] = o->kept;
     return words;
 }
@@ -131,7 +131,8 @@ static void write_state(const struct options *o)
     switch (o->job.what) {
     case JOB_SCENE:
     case JOB_GRIDS: write_pairs(o); break;
-    case JOB_POV: {
+    case JOB_POV:
+    case JOB_BLEND: {
         char **words = command(o, (char *[]){pack}, 1, 0);
         execvp(*words, words);
         die(ST_SYSTEM, "%s:", *words);
@@ -233,7 +234,7 @@ static int take_lines(struct job_frames *f, struct buf *said)
     return others;
 }
 
-/* Asks the worker for the frames of scene or grid `at`; of POV-Ray, for all. */
+/* Asks the worker for the frames of scene or grid `at`; of a foreign scene, for all. */
 static void ask(const struct options *o, int in, size_t at, struct job_frames *f)
 {
     static char inspect[] = "-i", transparent[] = "-t", size[] = "-s";
@@ -283,7 +284,7 @@ static void print_inputs(const struct options *o, int null)
             name[n < 0 ? 0 : n] = '\0';
             print_input(name);
         }
-    if (o->job.what != JOB_POV) return;
+    if (!job_foreign(&o->job)) return;
     struct buf said = {0};
     char **words = command(o, (char *[]){list}, 1, 0);
     child_run(words, null, null, &said);

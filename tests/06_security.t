@@ -41,7 +41,7 @@ for program in "$root"/bin/*; do
 	program=${program##*/}
 	[ -x "$root/bin/$program" ] || continue
 	case $program in
-	balance) words='adaptive -j 1' ends='nff pov vtk' ;;
+	balance) words='adaptive -j 1' ends='nff pov blend vtk' ;;
 	balance-bricks) words='-o o.png k.vtk' ends='spec' ;;
 	balance-calibrate) words='-n 1' ends='nff' ;;
 	balance-*) continue ;;
@@ -52,8 +52,9 @@ for program in "$root"/bin/*; do
 	grib2vtk | nc2vtk | vol2vtk) words='-l' ends='nc' ;;
 	gridcut) words='-n 2,1,1 -o b%d.vtk' ends='vtk' ;;
 	imgcmp) words='x.png' ends='png' ;;
-	job) words='-i -k kept' ends='nff pov vtk' ;;
+	job) words='-i -k kept' ends='nff pov blend vtk' ;;
 	pack) words='scene' ends='nff' ;;
+	blendworker) words='-i -s 8x8' ends='blend' ;;
 	povworker | rtworker) words='-i' ends='nff pov' ;;
 	partition) words='-r' ends='x' ;;
 	simulate) words='-t' ends='x' ;;

@@ -291,7 +291,7 @@ rm table
 is 'adaptive: rows, while each slot has 30' "$(counted adaptive 2)" 64
 is 'adaptive: parts of rows for more slots' "$(counted adaptive 3; counted adaptive 64)" "$(printf '92\n2048')"
 is 'adaptive: smaller tiles for more slots' "$(counted adaptive 1 vcworker; counted adaptive 9 vcworker)" "$(printf '32\n512')"
-is 'adaptive: a band for each slot, at least' "$(counted adaptive 9 povworker; counted adaptive 100 povworker)" "$(printf '16\n128')"
+is 'adaptive: a band for each slot, at least' "$(counted adaptive 9 povworker; counted adaptive 100 povworker; counted adaptive 9 blendworker)" "$(printf '16\n128\n16')"
 is 'a method runs after a command that failed' "$(if false; then :; else counted gdc 2; fi)" "$(counted gdc 2)"
 is 'another unit' "$(unit=run:2048 && counted adaptive 3)" 2
 # Most of 100 hosts have no row of 64.

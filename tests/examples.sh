@@ -41,6 +41,7 @@ lacking() {
 		coasts: /usr/share/gmt-gshhg
 		backdrop gnuplot
 		povray povray
+		blendworker blender
 		gs gs
 		coastlines /usr/share/gmt-gshhg
 		nc2vtk nc2vtk

@@ -38,7 +38,10 @@ static void complain(const char *name)
 /* Goes to the place of the command. Returns what failed, with errno; or NULL. */
 static const char *take_place(const struct crop_place *p)
 {
-    if (p->directory && chdir(p->directory) != 0) return p->directory;
+    if (p->directory) {
+        if (chdir(p->directory) != 0) return p->directory;
+        unsetenv("PWD"); /* it names another directory, and Blender believes it */
+    }
     if (!p->own) return NULL;
     const char *const own[] = {p->own, p->directory, NULL};
     if (setenv("TMPDIR", p->own, 1) != 0) return p->own;

@@ -29,9 +29,10 @@ bool job_words_check(
             return err_set(err, "%s: expected the size with -s before -W", options);
         if (strncmp(w, "-j", 2) == 0)
             return err_set(err, "%s: expected the slots with -j before -W", options);
-        if (j->what != JOB_POV || strchr("-+", *w) || strchr(w, '=')) continue;
+        if (!job_foreign(j) || strchr("-+", *w) || strchr(w, '=')) continue;
         if (*before == '-' && before[strlen(before) - 1] == 'f') continue; /* -f PIXELS */
-        return err_set(err, "%s: expected options of povworker, +WORD or NAME=VALUE", w);
+        return err_set(err, "%s: expected options of %s%s or NAME=VALUE", w, job_worker(j),
+            j->what == JOB_POV ? ", +WORD" : "");
     }
     return true;
 }

@@ -1,4 +1,5 @@
-/* What files are together: scenes and views; grids and specifications; a scene of POV-Ray. */
+/* What files are together: scenes and views; grids and specifications; a scene of POV-Ray or
+ * Blender. */
 #include "job/job.h"
 #include "grid/grid.h"
 #include "spec/spec.h"
@@ -8,10 +9,10 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-static bool is_pov(const char *path)
+static bool ends(const char *path, const char *end)
 {
-    const size_t n = strlen(path);
-    return n >= 4 && strcasecmp(path + n - 4, ".pov") == 0;
+    const size_t n = strlen(path), n_end = strlen(end);
+    return n >= n_end && strcasecmp(path + n - n_end, end) == 0;
 }
 
 /* What no file may be. */
@@ -44,7 +45,8 @@ static bool look(const char *path, enum kind *kind, char err[ERR_BYTES])
     return job_readable(first, n, size, why) || err_set(err, "%s: %s", err_path(shown, path), why);
 }
 
-/* POV-Ray takes +WORD and NAME=VALUE for its own. The name stays in memory to the end. */
+/* povworker takes +WORD and NAME=VALUE for its own, and blendworker NAME=VALUE. The name stays in
+ * memory to the end. */
 static void plain_name(char **path)
 {
     if (**path == '/' || (**path != '+' && !strchr(*path, '='))) return;
@@ -88,8 +90,8 @@ bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES])
     *j = (struct job){.path = path, .n = n};
     for (size_t i = 0; i < n; i++)
         if (!check_file(j, path[i], err)) return false;
-    if (is_pov(*path)) {
-        j->what = JOB_POV;
+    if (ends(*path, ".pov") || ends(*path, ".blend")) {
+        j->what = ends(*path, ".pov") ? JOB_POV : JOB_BLEND;
         plain_name(path);
         return true;
     }
@@ -100,17 +102,21 @@ bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES])
 
 const char *job_worker(const struct job *j)
 {
-    static const char *const name[] = {
-        [JOB_SCENE] = "rtworker", [JOB_GRIDS] = "vcworker", [JOB_POV] = "povworker"};
+    static const char *const name[] = {[JOB_SCENE] = "rtworker",
+        [JOB_GRIDS] = "vcworker",
+        [JOB_POV] = "povworker",
+        [JOB_BLEND] = "blendworker"};
     return name[j->what];
 }
+
+bool job_foreign(const struct job *j) { return j->what == JOB_POV || j->what == JOB_BLEND; }
 
 static size_t looks(const struct job *j)
 {
     return j->n == j->subjects ? 1 : j->n - j->subjects; /* the starter, or the scene's view */
 }
 
-size_t job_states(const struct job *j) { return j->what == JOB_POV ? 1 : j->subjects * looks(j); }
+size_t job_states(const struct job *j) { return job_foreign(j) ? 1 : j->subjects * looks(j); }
 
 struct job_state job_state(const struct job *j, size_t at)
 {

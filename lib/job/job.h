@@ -1,8 +1,8 @@
 /*
  * job: what the files of a run mean. They are one scene; or scenes and, after them, views, each
- * scene with each view; or grids and specifications in the same way; or a scene of POV-Ray and
- * files that it uses. A grid alone gets a specification of its own, the starter. job(1) is the
- * manual.
+ * scene with each view; or grids and specifications in the same way; or a scene of POV-Ray or
+ * Blender and files that it uses. A grid alone gets a specification of its own, the starter.
+ * job(1) is the manual.
  *
  * job_first, job_of and job_starter read files. Of a file that cannot be read, its reader says so.
  */
@@ -30,24 +30,26 @@ bool job_readable(const unsigned char *first, size_t n, uint64_t size, char err[
 
 /* ---- what all of them are together (files.c) ------------------------------------------------ */
 
-enum job_what { JOB_SCENE, JOB_GRIDS, JOB_POV };
+enum job_what { JOB_SCENE, JOB_GRIDS, JOB_POV, JOB_BLEND };
 struct job {
     enum job_what what;
     char **path;     /* the caller's; scenes or grids, then views or specifications */
     size_t n;        /* of path */
-    size_t subjects; /* scenes or grids; 0: a scene of POV-Ray */
+    size_t subjects; /* scenes or grids; 0: a scene of another renderer */
     bool starter;    /* one grid alone */
 };
 /*
  * Returns false with "file: what, expected what" in err if these n files, at least one, are nothing
  * that can be rendered. "-" is standard input, which is a scene and alone. May change path[0], so
- * that no program takes the name of a scene of POV-Ray for an option.
+ * that no program takes the name of another renderer's scene for an option.
  */
 bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES]);
 /* The program that renders it. */
 const char *job_worker(const struct job *j);
+/* True of a scene of POV-Ray or Blender, whose worker knows the files that it needs. */
+bool job_foreign(const struct job *j);
 /* The number of states: 1, or the number of pairs of scenes and views, or grids and specifications.
- * Frames of an animation of POV-Ray have one state. */
+ * Frames of an animation of POV-Ray or Blender have one state. */
 size_t job_states(const struct job *j);
 /* State `at`: path[subject] as path[look] shows it, a view or a specification. A worker that has
  * the states before it needs only what is new. look is n, no file, of a starter, which is new; and

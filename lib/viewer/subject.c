@@ -110,9 +110,9 @@ bool subject_open(struct subject *s, const struct viewer_options *o, char err[ER
 {
     char shown[ERR_PATH];
     if (!job_of(&s->job, o->files, o->n_files, err)) return false;
-    if (s->job.what == JOB_POV)
-        return err_set(err, "%s: is a scene of POV-Ray, expected grids or an NFF scene",
-            err_path(shown, *o->files));
+    if (job_foreign(&s->job))
+        return err_set(err, "%s: is a scene of %s, expected grids or an NFF scene",
+            err_path(shown, *o->files), s->job.what == JOB_POV ? "POV-Ray" : "Blender");
     if (!s->job.starter && s->job.n > s->job.subjects + 1)
         return err_set(err, "%s: is a second view, expected one",
             err_path(shown, s->job.path[s->job.subjects + 1]));

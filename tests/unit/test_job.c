@@ -121,7 +121,8 @@ static void test_binary_stl(void **state)
 
 static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", other[] = "t.nff",
             a[] = "a.vtk", b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc",
-            pov[] = "p=1.POV", plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
+            pov[] = "p=1.POV", blend[] = "b=1.Blend", plus[] = "+kff.pov",
+            own[] = "/tmp/p=1.pov", fifo[] = "fifo";
 
 static void save(const char *path, const char *text)
 {
@@ -181,6 +182,11 @@ static void test_together(void **state)
     free(j.path[0]);
     assert_true(job_of(&j, FILES(pov), err));
     assert_string_equal(j.path[0], "./p=1.POV");
+    free(j.path[0]);
+    assert_true(job_of(&j, FILES(blend, x), err) && j.what == JOB_BLEND && job_foreign(&j));
+    assert_string_equal(j.path[0], "./b=1.Blend");
+    assert_string_equal(job_worker(&j), "blendworker");
+    assert_int_equal(job_states(&j), 1);
     free(j.path[0]);
     assert_true(job_of(&j, FILES(own), err));
     assert_ptr_equal(j.path[0], own);
@@ -302,6 +308,9 @@ static void test_options(void **state)
     assert_string_equal(checked(JOB_POV, "+A0.3 x.ini"),
         "x.ini: expected options of povworker, +WORD or NAME=VALUE");
     assert_non_null(checked(JOB_POV, "-w 250"));
+    assert_null(checked(JOB_BLEND, "-w frames=all samples=16"));
+    assert_string_equal(
+        checked(JOB_BLEND, "x.py"), "x.py: expected options of blendworker or NAME=VALUE");
 }
 
 static void test_frames(void **state)
