@@ -3,7 +3,8 @@
  * +lat_0=50 +lon_0=10 +R=6371229", and places on them.
  *
  * Call order: projection_add, projection_earth and projection_rotated write a string;
- * projection_open; projection_place and projection_degrees; projection_close. A caller must link libproj if it is there.
+ * projection_open; projection_place and projection_degrees; projection_close. A caller must link
+ * libproj if it is there.
  */
 #ifndef STORMRING_PROJECTION_H
 #define STORMRING_PROJECTION_H
