@@ -160,7 +160,7 @@ flat() {
 }
 flat rain 's = i < 3 ? 0 : i + j'
 gridspec -s 120x80 rain.vtk >rain.spec
-is 'one level is seen from above, as a slice' "$(grep -E '^(up|slice)' rain.spec | paste -sd ' ' -)" 'up 0 1 0 slice z 5 0.8'
+is 'one level is seen from above, as a slice' "$(grep -E '^(up|slice)' rain.spec | paste -sd ' ' -)" 'up 0 1 0 slice z 5 0.65'
 is 'its comments have no height' "$(sed -n '1,/^from/p' rain.spec | paste -sd '|' -)" \
 	"# s: 0 to 16 mm at 9 x 9 x 1 nodes|# x: 0 to 80 degrees_east|# y: 0 to 40 degrees_north|$(grep ^from rain.spec)"
 ok 'balance: one level alone' balance adaptive -j 1 -s 120x80 -o rain.pam rain.vtk
@@ -168,7 +168,7 @@ vcworker -i rain.vtk rain.spec >/dev/null && partition 120x80 | vcworker -t rain
 like 'its picture fills the frame; the least value has no colour' "$(painted rain.pam 120 80)" '^2[6-9] 9[3-6] [0-9]+ [0-9]+$'
 flat both 's = i - 4'
 gridspec both.vtk >both.spec
-like 'both signs: around 0' "$(paste -sd ' ' both.spec)" 'palette vik .* slice z 5 0.8$'
+like 'both signs: around 0' "$(paste -sd ' ' both.spec)" 'palette vik .* slice z 5 0.65$'
 is 'no profile' "$(grep -c ^profile both.spec)" 0
 is '-k anomaly: from the mean' "$(gridspec -k anomaly rain.vtk | grep -c ^profile)" 1
 flat even 's = 3'
@@ -179,7 +179,7 @@ grid air 80 40 9000 's = i + k' 's [m/s]; x lon [degrees_east]; y lat [degrees_n
 flat hills 's = 100 * i' 'h [m]; x lon [degrees_east]; y lat [degrees_north]'
 cat air.vtk rain.vtk >wet.vtk; cat air.vtk hills.vtk >land.vtk
 gridspec wet.vtk >wet.spec
-like 'a flat field below a grid' "$(grep -E '^(flat|ground)' wet.spec | sed -n '1p;2p' | paste -sd ' ' -)" '^flat 0 0.8 ground 0[.]0'
+like 'a flat field below a grid' "$(grep -E '^(flat|ground)' wet.spec | sed -n '1p;2p' | paste -sd ' ' -)" '^flat 0 0.65 ground 0[.]0'
 gridspec land.vtk >land.spec
 is 'heights are a terrain' "$(grep -c ^flat land.spec) $(grep -c ^ground land.spec)" '0 9'
 ok 'both can be rendered' sh -c 'vcworker -i wet.vtk wet.spec && vcworker -i land.vtk land.spec'

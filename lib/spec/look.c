@@ -172,7 +172,7 @@ static void put_one_value(struct buf *out, double s, double k)
 
 #define LOW .05    /* the level of a slice is higher, in the grid's height */
 #define NORTH .6   /* the place of a slice along y */
-#define FLAT_OPACITY .8 /* of a flat field: coasts below it are seen */
+#define FLAT_OPACITY .65 /* of a flat field: coasts below it are seen */
 #define LAYERED .6 /* of the variance is between levels: a picture of the field shows little else */
 
 /* True if the field has both signs, alike on both sides of 0. */
