@@ -7,11 +7,11 @@
 #include <strings.h>
 
 #define RADIANS 0.017453292519943295
-#define FAR 80.0       /* degrees: no further from the centre are points that PROJ puts well */
-#define OPPOSITE -80.0 /* likewise, near the point opposite to a centre: a latitude of the sheet */
-#define POLE_GAP .1    /* degrees: left out where a pole is infinitely far away */
-#define TURNS 1800.0   /* degrees: no map goes round the globe as often */
-#define BEYOND 1e9     /* metres: rather infinite */
+#define FAR 80.0         /* degrees: no further from the centre are points that PROJ puts well */
+#define OPPOSITE (-80.0) /* likewise, near the point opposite to a centre: a latitude of the sheet */
+#define POLE_GAP .1      /* degrees: left out where a pole is infinitely far away */
+#define TURNS 1800.0     /* degrees: no map goes round the globe as often */
+#define BEYOND 1e9       /* metres: rather infinite */
 
 static void vector_of(struct plane_at degrees, double v[3])
 {
@@ -145,9 +145,9 @@ static bool set_sheet(
 /* False if x and y are not in a unit of the projection. */
 static bool set_unit(struct plane *p, const char *unit)
 {
-    if (p->kind == PLANE_ROTATED) p->metres = 1;
-    else if (strcmp(unit, "km") == 0) p->metres = 1000;
-    else if (strcmp(unit, "m") == 0 || strncasecmp(unit, "met", 3) == 0) p->metres = 1;
+    const bool metres = strcmp(unit, "m") == 0 || strncasecmp(unit, "met", 3) == 0;
+    if (strcmp(unit, "km") == 0) p->metres = 1000;
+    else if (metres || p->kind == PLANE_ROTATED) p->metres = 1;
     return p->metres > 0 && (p->kind == PLANE_ROTATED) == (strncasecmp(unit, "degree", 6) == 0);
 }
 

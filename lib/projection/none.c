@@ -12,13 +12,15 @@ struct projection *projection_open(const char *text, char err[ERR_BYTES])
 
 bool projection_place(struct projection *p, double lon_deg, double lat_deg, double at[2])
 {
-    (void)p, (void)lon_deg, (void)lat_deg, (void)at;
+    (void)p, (void)lon_deg, (void)lat_deg;
+    at[0] = at[1] = (double)NAN;
     return false;
 }
 
 bool projection_degrees(struct projection *p, const double at[2], double degrees[2])
 {
-    (void)p, (void)at, (void)degrees;
+    (void)p, (void)at;
+    degrees[0] = degrees[1] = (double)NAN;
     return false;
 }
 
