@@ -458,7 +458,7 @@ rows() { sed -n "/$2/,/;/p" "$1" | grep -oE "${3-}[{]\"[^\"]+\"" | cut -d '"' -f
 	unseeded spec '^@ ' $(rows lib/spec/spec.c '= {"from"' '= ')
 	unseeded nff '(^| )@( |$)' $(rows lib/scene/nff_read.c '^} entities')
 	unseeded grid ' @( 1)?$' $(rows lib/grid/vtk_type.c '^const struct vtk_type')
-	unseeded command '^(..)?@( |$)' hello up gone frame frag fail bye done beat drain
+	unseeded command '^(..)?@( |$)' hello up gone frame frag fail bye 'done' beat drain
 	unseeded image '^@' P5 P6 P7 PF Pf
 	for type in 0 2 3 4 6; do
 		for seed in tests/fuzz/corpus/image/*.png; do od -An -tu1 -j25 -N1 "$seed"; done | grep -qw "$type" || echo "image: no PNG of type $type"

@@ -8,7 +8,7 @@
 
 #define RADIANS 0.017453292519943295
 #define FAR 80.0         /* degrees: no further from the centre are points that PROJ puts well */
-#define OPPOSITE (-80.0) /* likewise, near the point opposite to a centre: a latitude of the sheet */
+#define OPPOSITE (-80.0) /* near the point opposite to a centre, a latitude of the sheet */
 #define POLE_GAP .1      /* degrees: left out where a pole is infinitely far away */
 #define TURNS 1800.0     /* degrees: no map goes round the globe as often */
 #define BEYOND 1e9       /* metres: rather infinite */
