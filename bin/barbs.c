@@ -109,7 +109,7 @@ int main(int argc, char **argv)
     double side[2];
     for (int a = 0; a < 2; a++) side[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double step = fmax(side[0], side[1]) / o.across;
-    if (globe) printf("> globe\n");
+    printf("%s", backdrop_head(g));
     for (int j = 0; (j + .5) * step < side[1]; j++)
         for (int i = 0; (i + .5) * step < side[0]; i++)
             barb(p,

@@ -81,7 +81,7 @@ int main(int argc, char **argv)
         die(ST_USAGE, "-z %g: expected a height of the grid, from %g to %g", o.z, z[0],
             z[g.n[2] - 1]);
     if (!o.value) take_values(&o, level, grid_node(&g, 0, 0, 1));
-    if (backdrop_on_globe(&g)) printf("> globe\n");
+    printf("%s", backdrop_head(&g));
     for (size_t i = 0; i < o.n_values; i++)
         layer_isolines(&g, level, o.value[i], print, &o.value[i]);
     free(level);

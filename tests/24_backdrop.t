@@ -407,6 +407,15 @@ else
 		done
 		printf '> globe\n> land\n170.867 20\n184.63 20\n184.63 45\n170.867 45\n'
 	} >mercator.lines
+	printf '> globe\n-18 64\n-18 65\n' >globe
+	printf '\n-100 200\n300 400\n' >flat
+	{ cat globe; echo '> plane'; cat flat; } | backdrop lambert.vtk lambert.spec - >plane.gp
+	is 'behind "> plane" lines are in its coordinates again' "$(block lines plane.gp)" "$(cat globe | backdrop lambert.vtk lambert.spec - >globe.gp
+		block lines globe.gp; backdrop lambert.vtk lambert.spec flat >flat.gp; block lines flat.gp)"
+	echo '> plane' >plane
+	run backdrop wall.vtk wall.spec plane
+	is 'coordinates of a plane are refused on the globe' "$status:$err" \
+		'2:backdrop: plane:1: coordinates of a plane, expected longitudes and latitudes, as the grid has'
 	same mercator 'an area across the edge of a Mercator map is at both edges'
 	labels() { backdrop -s 600x600 "$@" | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,; }
 	like 'meridians and parallels have labels at the edge of the map' "$(labels lambert.vtk lambert.spec)" '^35°W,.*,60°N,.*,68°N,0 m,'

@@ -42,6 +42,9 @@ void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n);
 /* True if the grid's title says that x and y are longitude and latitude. */
 bool backdrop_on_globe(const struct grid *g);
+/* The line before lines in the coordinates of g: "> globe", "> plane" if the plane is known, or "",
+ * with a line's end. */
+const char *backdrop_head(const struct grid *g);
 /* True if the maps of these grids are equal except for the time. */
 bool backdrop_alike(const struct grid *a, const struct grid *b);
 

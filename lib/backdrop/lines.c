@@ -46,6 +46,7 @@ static bool take_head(struct backdrop_lines *l, char *line)
     static const char *const words[] = {[LINES_LAND] = "land",
         [LINES_WATER] = "water",
         [LINES_GLOBE] = "globe",
+        [LINES_PLANE] = "plane",
         [LINES_TEXT] = "line",
         [LINES_MARK] = "mark"};
     char *rest = line, *sign = strtok_r(rest, " \t\r", &rest);
@@ -111,7 +112,10 @@ static const char *read_line(struct backdrop_lines *l, char *line)
         flush(l);
         if (!take_head(l, line))
             return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
-        if (l->now.kind == LINES_GLOBE) l->globe = true;
+        if (l->now.kind == LINES_GLOBE || l->now.kind == LINES_PLANE)
+            l->globe = l->now.kind == LINES_GLOBE;
+        if (l->now.kind == LINES_PLANE && !l->flat)
+            return "coordinates of a plane, expected longitudes and latitudes, as the grid has";
         l->now.o.flat = l->flat && !l->globe;
         return l->globe && l->flat && !l->plane ? l->no_plane : NULL;
     }

@@ -4,7 +4,15 @@
 
 #include "backdrop/outline.h"
 
-enum lines_kind { LINES_OPEN, LINES_LAND, LINES_WATER, LINES_GLOBE, LINES_TEXT, LINES_MARK };
+enum lines_kind {
+    LINES_OPEN,
+    LINES_LAND,
+    LINES_WATER,
+    LINES_GLOBE, /* this one and the next have no points */
+    LINES_PLANE,
+    LINES_TEXT,
+    LINES_MARK
+};
 
 struct lines_part {
     struct outline o;

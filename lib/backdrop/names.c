@@ -45,6 +45,13 @@ bool backdrop_on_globe(const struct grid *g)
     return !flat_unit(g, &x) && grid_title(g->title, 'x', &x) && x.unit[0];
 }
 
+const char *backdrop_head(const struct grid *g)
+{
+    char proj[GRID_TITLE];
+    if (backdrop_on_globe(g)) return "> globe\n";
+    return grid_title_proj(g->title, proj) ? "> plane\n" : "";
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {

@@ -79,9 +79,10 @@ static struct columns columns_between(
 {
     struct columns c = {.n = 0};
     const double *x = g->at[0], room = globe ? x[0] + CIRCLE - x[n - 1] : 0;
-    double turn = CIRCLE * floor((lo - x[n - 1]) / CIRCLE);
-    for (; x[0] + turn - room < hi; turn += CIRCLE)
+    const double first = floor((lo - x[n - 1]) / CIRCLE);
+    for (uint32_t k = 0; x[0] + CIRCLE * (first + k) - room < hi; k++)
         for (uint32_t i = 0; i < n; i++) {
+            const double turn = CIRCLE * (first + k);
             const double at = x[i] + turn;
             const double before = i ? x[i - 1] + turn : at - room;
             const double after = i + 1 < n ? x[i + 1] + turn : at + room;

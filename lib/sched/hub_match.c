@@ -35,7 +35,7 @@ static int32_t takes(const struct hub *h, int32_t k, int32_t thief)
 {
     if (h->nodes[k].speed.work <= 0 || h->nodes[thief].speed.work <= 0) return 0;
     double percent = 100 * hub_time_us(h, thief) / hub_time_us(h, k);
-    return (int32_t)fmax(1, fmin(percent, RING_TAKES_MOST));
+    return (int32_t)rint(fmax(1, fmin(percent, RING_TAKES_MOST)));
 }
 
 /* Asks a node with work left on behalf of the nearest hungry node before it. */
