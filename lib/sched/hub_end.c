@@ -34,17 +34,12 @@ static int32_t rest_for(const struct hub *h, int32_t k)
     return i;
 }
 
-/* Entry i may cost its node: a piece of it would cost another one. */
-static bool is_bad(const struct hub *h, int32_t i)
-{
-    return blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone);
-}
-
-/* The last task of node k that is not cut nor bad, and of which node `to` has no part; -1: none. */
+/* The last task of node k that is not cut, and of which node `to` has no part; -1: none. A piece of
+ * a bad one would cost that node, too. */
 static int32_t last_of(const struct hub *h, int32_t k, int32_t to)
 {
     int32_t i = h->nodes[k].held.tail;
-    while (i >= 0 && (pieces_exist(&h->ledger, i) || is_bad(h, i) || has_part(h, to, i)))
+    while (i >= 0 && (pieces_exist(&h->ledger, i) || hub_aside_bad(h, i) || has_part(h, to, i)))
         i = h->ledger.at[i].prev;
     return i;
 }

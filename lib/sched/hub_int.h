@@ -147,6 +147,8 @@ void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
 
 /* ---- hub_aside.c ---------------------------------------------------------------------------- */
 
+/* True if entry i seems to cost nodes. */
+bool hub_aside_bad(const struct hub *h, int32_t i);
 /* Node k, which is lost, was computing these: blames the tasks. */
 void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out);
 /* Node k cannot compute its entry i: blames the task, and gives it to another node. */
