@@ -56,10 +56,8 @@ static void load(const struct options *o, int i, struct part *p)
     p->knots = (struct units_linear){1, 0};
     if (strcmp(scalar.unit, "knots") != 0 && !units_linear(scalar.unit, "knots", &p->knots, err))
         die(ST_USAGE, "%s: %s", o->path[i], err);
-    const double *z = p->g.at[2];
-    if (!layer_level(&p->g, o->has_z ? o->z : z[0], &p->level))
-        die(ST_USAGE, "-z %g: expected a height of the grid, from %g to %g", o->z, z[0],
-            z[p->g.n[2] - 1]);
+    if (!layer_level(&p->g, o->has_z ? o->z : p->g.at[2][0], &p->level, err))
+        die(ST_USAGE, "-z %s", err);
 }
 
 static void check_same(const struct options *o, const struct grid *a, const struct grid *b)
@@ -67,7 +65,7 @@ static void check_same(const struct options *o, const struct grid *a, const stru
     for (int i = 0; i < 3; i++)
         if (a->n[i] != b->n[i] || memcmp(a->at[i], b->at[i], a->n[i] * sizeof *a->at[i]) != 0)
             die(ST_USAGE, "%s: %c differs from that of %s, expected the same grid", o->path[1],
-                "xyz"[i], o -> path[0]);
+                "xyz"[i], o->path[0]);
 }
 
 static void print(void *ctx, const struct layer_point *at, size_t n)

@@ -76,10 +76,7 @@ int main(int argc, char **argv)
     float *level;
     char err[ERR_BYTES];
     if (grid_load(o.path, &g, err) != 0) die(ST_USAGE, "%s", err);
-    const double *z = g.at[2];
-    if (!layer_level(&g, o.has_z ? o.z : z[0], &level))
-        die(ST_USAGE, "-z %g: expected a height of the grid, from %g to %g", o.z, z[0],
-            z[g.n[2] - 1]);
+    if (!layer_level(&g, o.has_z ? o.z : g.at[2][0], &level, err)) die(ST_USAGE, "-z %s", err);
     if (!o.value) take_values(&o, level, grid_node(&g, 0, 0, 1));
     printf("%s", backdrop_head(&g));
     for (size_t i = 0; i < o.n_values; i++)

@@ -10,9 +10,9 @@
 /*
  * Sets *value to the field at height z, a coordinate of the grid: g->n[0] times g->n[1] values,
  * linear between the two levels beside it; NaN where one that counts is missing. The caller frees
- * them. False if z is not between the first and the last level.
+ * them. False with a message in err if z is not between the first and the last level.
  */
-bool layer_level(const struct grid *g, double z, float **value);
+bool layer_level(const struct grid *g, double z, float **value, char err[ERR_BYTES]);
 
 /* A point in the grid's coordinates. */
 struct layer_point {

@@ -3,12 +3,14 @@
 
 #include <stdlib.h>
 
-bool layer_level(const struct grid *g, double z, float **value)
+bool layer_level(const struct grid *g, double z, float **value, char err[ERR_BYTES])
 {
     const double *at = g->at[2];
     const size_t n = grid_node(g, 0, 0, 1);
     uint32_t k = 0;
-    if (!(z >= at[0] && z <= at[g->n[2] - 1])) return false;
+    if (!(z >= at[0] && z <= at[g->n[2] - 1]))
+        return err_set(err, "%g: expected a height of the grid, from %g to %g", z, at[0],
+            at[g->n[2] - 1]);
     while (k + 1 < g->n[2] && at[k + 1] <= z) k++;
     const float *below = g->value + grid_node(g, 0, 0, k), *above = below + n;
     *value = xmalloc(n, sizeof **value);
