@@ -81,6 +81,13 @@ replace() {
 	rm -f -- "$part"
 	return 1
 }
+# pack_all NAMES: the record of these files, a line each
+pack_all() {
+	IFS='
+'
+	# shellcheck disable=SC2086  # a word for each line
+	pack files $1
+}
 # host_lines HOSTS: the hosts of a file or a list, which fan has accepted: a line each, as in a hosts file. A directory may have
 # the name of a host.
 host_lines() {
