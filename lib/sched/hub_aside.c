@@ -9,11 +9,6 @@ static const struct task *task_of(const struct hub *h, int32_t i) { return &h->l
 
 /* ---- blame ------------------------------------------------------------------------- */
 
-bool hub_aside_bad(const struct hub *h, int32_t i)
-{
-    return blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone);
-}
-
 static void blame(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     sched_act(out, SCHED_BLAME, k, task_of(h, i));
@@ -40,7 +35,7 @@ void hub_aside_well(struct hub *h, int32_t i, struct sched_actions *out)
     if (!blame_well(&h->blame, task_of(h, i))) return;
     for (int32_t j = h->aside.head, next; j >= 0; j = next) {
         next = h->ledger.at[j].next;
-        if (task_of(h, j)->frame != frame || hub_aside_bad(h, j)) continue;
+        if (task_of(h, j)->frame != frame || hub_bad(h, j)) continue;
         hub_unlist(h, j);
         hub_start(h, j, out);
     }

@@ -39,7 +39,7 @@ static int32_t rest_for(const struct hub *h, int32_t k)
 static int32_t last_of(const struct hub *h, int32_t k, int32_t to)
 {
     int32_t i = h->nodes[k].held.tail;
-    while (i >= 0 && (pieces_exist(&h->ledger, i) || hub_aside_bad(h, i) || has_part(h, to, i)))
+    while (i >= 0 && (pieces_exist(&h->ledger, i) || hub_bad(h, i) || has_part(h, to, i)))
         i = h->ledger.at[i].prev;
     return i;
 }

@@ -147,8 +147,6 @@ void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
 
 /* ---- hub_aside.c ---------------------------------------------------------------------------- */
 
-/* True if entry i seems to cost nodes. */
-bool hub_aside_bad(const struct hub *h, int32_t i);
 /* Node k, which is lost, was computing these: blames the tasks. */
 void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out);
 /* Node k cannot compute its entry i: blames the task, and gives it to another node. */
@@ -185,6 +183,8 @@ int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w);
 int32_t hub_open_task(struct hub *h, int32_t i);
 /* Cuts n pixels off entry i, a piece that no node has, as another one. */
 int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n);
+/* True if entry i seems to cost nodes. */
+bool hub_bad(const struct hub *h, int32_t i);
 /* Removes entry i, which has no pieces. */
 void hub_remove(struct hub *h, int32_t i);
 

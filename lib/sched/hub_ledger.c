@@ -96,6 +96,11 @@ int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n)
     return enlist_piece(h, pieces_cut(&h->ledger, &h->blame.frames, i, n));
 }
 
+bool hub_bad(const struct hub *h, int32_t i)
+{
+    return blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone);
+}
+
 void hub_remove(struct hub *h, int32_t i)
 {
     int32_t parent = pieces_parent(&h->ledger, i);

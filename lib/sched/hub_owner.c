@@ -50,7 +50,7 @@ void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
     hub_unlist(h, i);
     hub_task(h, i)->from = -1;
     if (pieces_exist(&h->ledger, i)) hub_enlist(h, i, -1, false);
-    else if (hub_aside_bad(h, i)) hub_put_aside(h, i);
+    else if (hub_bad(h, i)) hub_put_aside(h, i);
     else hub_assign(h, i, k, out);
 }
 
