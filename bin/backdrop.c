@@ -11,12 +11,12 @@
 #include <unistd.h>
 
 struct options {
-    int w, h;                       /* -s; 0: the specification's */
-    const char *title;              /* -t; NULL: from the grid's title */
-    const char *unit;               /* -z; NULL: from the grid's title */
-    const char *lines;              /* -m, or the third operand; NULL: none */
-    struct image_out out, captions; /* -o, -c; pattern NULL: not given */
-    char **files;                   /* grids, then specifications */
+    int w, h;                               /* -s; 0: the specification's */
+    const char *title;                      /* -t; NULL: from the grid's title */
+    const char *unit;                       /* -z; NULL: from the grid's title */
+    const char *lines;                      /* -m, or the third operand; NULL: none */
+    struct image_out out, captions, raised; /* -o, -c, -f; pattern NULL: not given */
+    char **files;                           /* grids, then specifications */
     int n_grids, n_specs;
 };
 
@@ -33,8 +33,8 @@ struct input {
 
 static const char usage_text[] =
     "[-h] [-s WxH] [-t TITLE] [-z UNIT] GRID.vtk SPEC [LINES]\n"
-    "       backdrop -o OUT [-c OUT] [-m LINES] [-s WxH] [-t TITLE] [-z UNIT]\n"
-    "                GRID.vtk ... SPEC ...";
+    "       backdrop -o OUT [-c OUT] [-f OUT] [-m LINES] [-s WxH] [-t TITLE]\n"
+    "                [-z UNIT] GRID.vtk ... SPEC ...";
 
 static void check_out(int opt, struct image_out *out, int pictures)
 {
@@ -61,7 +61,8 @@ static bool is_grid(const char *path)
 static void check_files(struct options *o, int n)
 {
     if (!o->out.pattern) {
-        if (n < 2 || n > 3 || o->captions.pattern || o->lines) usage(ST_USAGE, usage_text);
+        if (n < 2 || n > 3 || o->captions.pattern || o->raised.pattern || o->lines)
+            usage(ST_USAGE, usage_text);
         o->lines = o->files[2]; /* NULL if there is none */
         o->n_grids = o->n_specs = 1;
         return;
@@ -76,13 +77,15 @@ static void check_files(struct options *o, int n)
     if (o->lines) input_add(o->lines, "an input");
     check_out('o', &o->out, o->n_grids * o->n_specs);
     check_out('c', &o->captions, o->n_grids * o->n_specs);
+    check_out('f', &o->raised, o->n_grids * o->n_specs);
 }
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.w = 0};
-    for (int c; (c = prog_getopt(argc, argv, "c:hm:o:s:t:z:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "c:f:hm:o:s:t:z:")) != -1;) switch (c) {
         case 'c': o.captions.pattern = opt_text(c, optarg); break;
+        case 'f': o.raised.pattern = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'm': o.lines = opt_text(c, optarg); break;
         case 'o': o.out.pattern = opt_text(c, optarg); break;
@@ -168,14 +171,14 @@ static struct backdrop describe(const struct input *in, int g, int s, struct bac
 struct pages {
     struct buf script;
     int n;
-    int *map, *caption; /* for each picture: its pages */
+    int *map, *raised, *caption; /* for each picture: its pages */
 };
 
-/* The maps have their captions, unless these are pages of their own. */
-static void add_maps(struct pages *p, const struct input *in)
+/* Adds these parts, to pages that may have a caption. */
+static void add_maps(struct pages *p, const struct input *in, unsigned parts, int *page)
 {
     const struct options *o = in->o;
-    const bool apart = o->captions.pattern;
+    const bool apart = !(parts & BACKDROP_CAPTION);
     char err[BACKDROP_ERR];
     for (int g = 0; g < o->n_grids; g++) {
         int like = 0;
@@ -183,11 +186,11 @@ static void add_maps(struct pages *p, const struct input *in)
                (!apart && strcmp(in->time[like], in->time[g]) != 0))
             like++;
         for (int s = 0; s < o->n_specs; s++) {
-            p->map[g * o->n_specs + s] = like < g ? p->map[like * o->n_specs + s] : p->n++;
+            page[g * o->n_specs + s] = like < g ? page[like * o->n_specs + s] : p->n++;
             if (like < g) continue;
             struct backdrop_names names;
             struct backdrop b = describe(in, g, s, &names);
-            if (backdrop_write(&b, !apart, &p->script, err) != 0) die(ST_USAGE, "%s", err);
+            if (backdrop_write(&b, parts, &p->script, err) != 0) die(ST_USAGE, "%s", err);
         }
     }
 }
@@ -263,6 +266,7 @@ static void write_pages(const struct options *o, const struct pages *p, const st
     for (int k = 0; k < o->n_grids * o->n_specs; k++) {
         save(&o->out, (uint32_t)k, page[p->map[k]]);
         if (o->captions.pattern) save(&o->captions, (uint32_t)k, page[p->caption[k]]);
+        if (o->raised.pattern) save(&o->raised, (uint32_t)k, page[p->raised[k]]);
     }
     free(page);
 }
@@ -270,16 +274,22 @@ static void write_pages(const struct options *o, const struct pages *p, const st
 static void draw(const struct input *in)
 {
     const size_t pictures = (size_t)in->o->n_grids * (size_t)in->o->n_specs;
-    struct pages p = {
-        .map = xcalloc(pictures, sizeof *p.map), .caption = xcalloc(pictures, sizeof *p.caption)};
+    struct pages p = {.map = xcalloc(pictures, sizeof *p.map),
+        .raised = xcalloc(pictures, sizeof *p.raised),
+        .caption = xcalloc(pictures, sizeof *p.caption)};
     struct buf pngs = {0};
-    add_maps(&p, in);
+    unsigned parts = BACKDROP_ALL;
+    if (in->o->captions.pattern) parts &= ~BACKDROP_CAPTION;
+    if (in->o->raised.pattern) parts &= ~BACKDROP_RAISED;
+    add_maps(&p, in, parts, p.map);
+    if (in->o->raised.pattern) add_maps(&p, in, BACKDROP_RAISED, p.raised);
     if (in->o->captions.pattern) add_captions(&p, in);
     run_gnuplot(&p.script, &pngs);
     write_pages(in->o, &p, &pngs);
     buf_free(&pngs);
     buf_free(&p.script);
     free(p.map);
+    free(p.raised);
     free(p.caption);
 }
 
@@ -291,7 +301,7 @@ static void print(const struct input *in)
     struct buf script = {0};
     char err[BACKDROP_ERR];
     struct backdrop b = describe(in, 0, 0, &names);
-    if (backdrop_write(&b, true, &script, err) != 0) die(ST_USAGE, "%s", err);
+    if (backdrop_write(&b, BACKDROP_ALL, &script, err) != 0) die(ST_USAGE, "%s", err);
     put_stdout(buf_data(&script), buf_size(&script));
     buf_free(&script);
 }

@@ -13,19 +13,20 @@
 #define POLE 89.0 /* degrees: beyond there are none */
 
 struct options {
-    int across; /* -n: along the longer side */
-    bool has_z;
-    double z; /* -z; otherwise the lowest level */
+    int across;       /* -n: along the longer side */
+    bool has_z, flat; /* flat: -m: on the map, whatever the height */
+    double z;         /* -z; otherwise the lowest level */
     char **path;
 };
 
-static const char usage_text[] = "[-h] [-n NUMBER] [-z HEIGHT] EAST.vtk NORTH.vtk";
+static const char usage_text[] = "[-hm] [-n NUMBER] [-z HEIGHT] EAST.vtk NORTH.vtk";
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.across = ACROSS};
-    for (int c; (c = prog_getopt(argc, argv, "hn:z:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hmn:z:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
+        case 'm': o.flat = true; break;
         case 'n': o.across = (int)opt_int(c, optarg, 1, ACROSS_MAX); break;
         case 'z':
             o.z = opt_real(c, optarg, -GRID_MAX, GRID_MAX);
@@ -65,7 +66,7 @@ static void check_same(const struct options *o, const struct grid *a, const stru
     for (int i = 0; i < 3; i++)
         if (a->n[i] != b->n[i] || memcmp(a->at[i], b->at[i], a->n[i] * sizeof *a->at[i]) != 0)
             die(ST_USAGE, "%s: %c differs from that of %s, expected the same grid", o->path[1],
-                "xyz"[i], o->path[0]);
+                "xyz"[i], o -> path[0]);
 }
 
 static void print(void *ctx, const struct layer_point *at, size_t n)
@@ -108,6 +109,7 @@ int main(int argc, char **argv)
     for (int a = 0; a < 2; a++) side[a] = g->at[a][g->n[a] - 1] - g->at[a][0];
     const double step = fmax(side[0], side[1]) / o.across;
     printf("%s", backdrop_head(g));
+    if (o.has_z && !o.flat) printf("> height %.15g\n", o.z);
     for (int j = 0; (j + .5) * step < side[1]; j++)
         for (int i = 0; (i + .5) * step < side[0]; i++)
             barb(p,

@@ -41,9 +41,10 @@ struct gather {
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-i INPUTS] [-k 8|16] [-o OUT]\n"
-                                 "              [-r LOG] [-w SECONDS] [FRAGS ...]\n"
-                                 "       gather -m [-P] [FRAGS ...]";
+static const char usage_text[] =
+    "[-hP] [-b BACKDROP] [-e FRAMES] [-f FRONT] [-i INPUTS] [-k 8|16]\n"
+    "              [-o OUT] [-r LOG] [-w SECONDS] [FRAGS ...]\n"
+    "       gather -m [-P] [FRAGS ...]";
 
 /* A file of names, a line each. */
 static void add_inputs(const char *list)
@@ -62,9 +63,10 @@ static void add_inputs(const char *list)
 static struct options parse(int argc, char **argv, struct image_backs *backs)
 {
     struct options o = {.out.backs = backs, .out.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = prog_getopt(argc, argv, "b:e:hi:k:mo:Pr:w:")) != -1;) switch (c) {
-        case 'b': image_opt_back(c, opt_text(c, optarg), backs); break;
+    for (int c; (c = prog_getopt(argc, argv, "b:e:f:hi:k:mo:Pr:w:")) != -1;) switch (c) {
+        case 'b': image_opt_back(c, opt_text(c, optarg), false, backs); break;
         case 'e': o.expected = opt_text(c, optarg); break;
+        case 'f': image_opt_back(c, opt_text(c, optarg), true, backs); break;
         case 'h': usage(ST_OK, usage_text);
         case 'i': add_inputs(opt_text(c, optarg)); break;
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
@@ -77,7 +79,7 @@ static struct options parse(int argc, char **argv, struct image_backs *backs)
         }
     if (o.missing && (o.out.pattern || o.log))
         die(ST_USAGE, "-m: expected neither -o nor -r with it");
-    if (o.missing && backs->n) die(ST_USAGE, "-m: expected no -b with it");
+    if (o.missing && backs->n) die(ST_USAGE, "-m: expected neither -b nor -f with it");
     if (o.preview_s > 0 && !o.out.pattern) die(ST_USAGE, "-w: expected -o OUT with it");
     static char dash[] = "-", *standard[] = {dash, NULL};
     o.inputs = argv[optind] ? argv + optind : standard;

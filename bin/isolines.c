@@ -12,19 +12,20 @@ struct options {
     double step;   /* -e; 0: a round one */
     double *value; /* -v; NULL: by step */
     size_t n_values;
-    bool has_z;
-    double z; /* -z; otherwise the lowest level */
+    bool has_z, flat; /* flat: -m: on the map, whatever the height */
+    double z;         /* -z; otherwise the lowest level */
     const char *path;
 };
 
-static const char usage_text[] = "[-h] [-e STEP|-v VALUE,...] [-z HEIGHT] GRID.vtk";
+static const char usage_text[] = "[-hm] [-e STEP|-v VALUE,...] [-z HEIGHT] GRID.vtk";
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.step = 0};
-    for (int c; (c = prog_getopt(argc, argv, "e:hv:z:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "e:hmv:z:")) != -1;) switch (c) {
         case 'e': o.step = opt_real(c, optarg, 1e-18, GRID_MAX); break;
         case 'h': usage(ST_OK, usage_text);
+        case 'm': o.flat = true; break;
         case 'v':
             free(o.value);
             o.value = opt_reals(c, optarg, -GRID_MAX, GRID_MAX, &o.n_values);
@@ -79,6 +80,7 @@ int main(int argc, char **argv)
     if (!layer_level(&g, o.has_z ? o.z : g.at[2][0], &level, err)) die(ST_USAGE, "-z %s", err);
     if (!o.value) take_values(&o, level, grid_node(&g, 0, 0, 1));
     printf("%s", backdrop_head(&g));
+    if (o.has_z && !o.flat) printf("> height %.15g\n", o.z);
     for (size_t i = 0; i < o.n_values; i++)
         layer_isolines(&g, level, o.value[i], print, &o.value[i]);
     free(level);

@@ -1,6 +1,6 @@
 # shellcheck shell=sh disable=SC2034,SC2154  # balance, which reads this, uses and sets them
 # balance reads this for -m, before the files: what is missing is said before anything is rendered.
-# It uses $lines and $size of balance, and sets $backs for its gather.
+# It uses $lines and $size of balance, and sets $backs and $front for its gather.
 case $lines in
 none:) ;;
 coasts:) there coastlines "beside balance or on the PATH" ;;
@@ -32,6 +32,7 @@ draw_maps() {
 	none:) lines=/dev/null ;;
 	esac
 	backs=$(printf '%s\n' "$maps" | sed 's/%/%%/g') # a pattern
-	backdrop -o "$backs/map-%d.png" -c "$backs/caption-%d.png" -m "$lines" ${size:+-s "$size"} \
-		-- "$@" 4<&- 5>&- 9>&- || exit
+	! grep -q '^>[[:blank:]]*height[[:blank:]]' "$lines" || front=$backs/front-%d.png
+	backdrop -o "$backs/map-%d.png" -c "$backs/caption-%d.png" ${front:+-f "$front"} -m "$lines" \
+		${size:+-s "$size"} -- "$@" 4<&- 5>&- 9>&- || exit
 }

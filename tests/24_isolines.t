@@ -26,7 +26,8 @@ is 'isolines of a cone are circles, closed, and once round the middle' "$(awk '
 	  else { x0 = $1; y0 = $2 }
 	  x = $1; y = $2 }
 	END { ring() }' lines)" '5.5 closed 1.00 12.25 closed 1.00 '
-is '-z: between two levels the field is linear' "$(isolines -z 5 -v 6 cone.vtk | sed 's/^> line 6/> line 5.5/')" "$(isolines -v 5.5 cone.vtk)"
+is '-z: between two levels the field is linear' "$(isolines -mz 5 -v 6 cone.vtk | sed 's/^> line 6/> line 5.5/')" "$(isolines -v 5.5 cone.vtk)"
+is 'they are at that height; with -m, on the map' "$(isolines -z 7.25 cone.vtk | head -n 1; isolines -mz 7.25 cone.vtk | head -n 1)" "$(printf '> height 7.25\n> line 5')"
 is 'without options: the lowest level, and round values' "$(isolines cone.vtk | sed -n 's/^> line //p' | uniq | tr '\n' ,)" '5,10,15,20,25,'
 is '-e' "$(isolines -e 7.5 cone.vtk | sed -n 's/^> line //p' | uniq | tr '\n' ,)" '7.5,15,22.5,'
 # saddle A B C D VALUE: the lines of one cell, with corners counterclockwise
@@ -98,11 +99,36 @@ for file in long wide; do
 	is "texts too long, lines and places outside: no block is left without points: $file" \
 		"$(sed -n 's/^plot //p' $file.gp | tr ',' '\n' | grep -c 'dots\|numbered') $(grep -c 'label.*\(WW\|nowhere\|x.\) at' $file.gp)" "$([ $file = long ] && echo 1 0 || echo 0 0)"
 done
+# From 80 above, 600 pixels show 2 * 80 * tan 20 of a plane: 10.303 pixels for 1. From 90 above, 9.158.
+printf '> height 10\n5 5\n35 5\n> mark A\n20 20\n> line 7\n0 30\n40 30\n> height 0\n5 35\n35 35\n> plane\n5 2\n35 2\n' >raised
+backdrop cone.vtk above.spec raised >raised.gp
+is 'lines at heights' "$(points lines raised.gp | head -n 2; points lines1 raised.gp | head -n 2; points lines2 raised.gp | head -n 2; points numbered raised.gp | sed -n '1p;5p')" \
+	"$(printf '%s\n' '162.63 135.15' '437.37 135.15' '145.45 145.45' '454.55 145.45' '162.63 437.37' '437.37 437.37' '93.94 403.03' '506.06 403.03')"
+printf '> height 11\n' >bad
+run backdrop cone.vtk above.spec bad
+is 'a height outside of the grid is refused' "$status:$err" '2:backdrop: bad:1: expected a height of the grid, from 0 to 10'
+seq 0 .01 10 | sed 's/^/> height /' >bad
+run backdrop cone.vtk above.spec bad
+is 'so are too many' "$status:$err" '2:backdrop: bad:101: expected at most 100 heights'
 if [ -n "$(command -v gnuplot)" ]; then
+	printf '%s\n' 'from 20 20 90' 'at 20 20 0' 'up 0 1 0' 'angle 40' 'resolution 120 90' 'map 0 1 0 0 1' 'map 99 1 0 0 1' 'slice z 10 .8' >slice.spec
+	partition 120x90 | vcworker cone.vtk slice.spec >slice.frags
+	gather -k 16 -o slice.png slice.frags
+	backdrop -o map.png -f front.png -m raised cone.vtk slice.spec
+	blend -k 16 -o under.png slice.png map.png
+	blend -k 16 -o whole.png front.png under.png
+	gather -k 16 -f front.png -b map.png -o over.png slice.frags
+	ok 'gather -f: over the picture, as blend has it' imgcmp -t 3e-5 over.png whole.png
+	ok 'balance draws them over it' balance ds -j 1 -k 16 -m raised -o balance.png cone.vtk slice.spec
+	ok 'and all is the same picture' imgcmp -t 3e-5 balance.png whole.png
+	ok 'the slice does not cover lines on it' [ "$(imgcmp -t .2 whole.png under.png | awk '$1 == "differing" { print $2 }')" -gt 100 ]
 	printf '%s\n' 'from 8 -60 70' 'at 20 18 0' 'up 0 0 1' 'angle 36' 'resolution 900 600' 'map -1 1 0 0 1' 'map 99 1 0 0 1' >oblique.spec
 	backdrop cone.vtk oblique.spec lines >texts.gp
 	ok 'gnuplot draws them, and says nothing' sh -c 'gnuplot texts.gp >texts.png 2>said && [ ! -s said ]'
 	if there "$root/build/unit/test_paint"; then
+		backdrop cone.vtk oblique.spec raised | gnuplot >high.png
+		"$root/build/unit/test_paint" cone.vtk oblique.spec raised painted.ppm
+		ok 'a window paints lines at heights there, too' imgcmp -t .15 -f .004 painted.ppm high.png
 		"$root/build/unit/test_paint" cone.vtk oblique.spec lines painted.ppm
 		ok 'a window paints them in the same places' imgcmp -t .15 -f .004 painted.ppm texts.png
 	fi

@@ -21,7 +21,16 @@ uint32_t backdrop_strip(const struct backdrop *b)
     return (uint32_t)s.strip;
 }
 
-static void draw(const struct drawing *s, struct backdrop_lines *lines, unsigned parts)
+/* Lines and places of one level. */
+static void lines_and_places(const struct drawing *s, struct backdrop_lines *lines)
+{
+    mark_begin(s->list, BACKDROP_LINES, COAST, COAST_WIDTH);
+    lines_stroke(s, lines);
+    lines_mark(s, lines);
+    lines_write(s, lines);
+}
+
+static void draw(struct drawing *s, struct backdrop_lines *lines, unsigned parts)
 {
     if (parts & BACKDROP_AXES) backdrop_labels(s);
     if (parts & BACKDROP_LEGEND) backdrop_legend(s);
@@ -34,16 +43,16 @@ static void draw(const struct drawing *s, struct backdrop_lines *lines, unsigned
         mark_begin(s->list, BACKDROP_GRATICULE, GRATICULE, 1);
         backdrop_graticule(s);
     }
-    if (parts & BACKDROP_MAP) {
-        mark_begin(s->list, BACKDROP_LINES, COAST, COAST_WIDTH);
-        lines_stroke(s, lines);
-        s->labels->in_strip = false; /* the legend's are all there */
-        lines_mark(s, lines);
-        lines_write(s, lines);
-    }
+    s->labels->in_strip = false; /* the legend's are all there */
+    if (parts & BACKDROP_MAP) lines_and_places(s, lines);
     if (parts & BACKDROP_AXES) {
         mark_begin(s->list, BACKDROP_EDGES, FRAME, 1);
         backdrop_edges(s);
+    }
+    for (int i = 0; parts & BACKDROP_RAISED && i < lines->n_heights; i++) {
+        drawing_raise(s, i + 1, lines->height[i]);
+        s->list->boxed = true;
+        lines_and_places(s, lines);
     }
 }
 
@@ -56,12 +65,13 @@ void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsig
     drawing_init(&s, b);
     mark_cut(list, 0);
     list->em = s.em;
+    list->boxed = false;
     s.list = list;
     s.labels = &labels;
     s.scratch = scratch;
     s.plane = lines ? lines_plane(lines) : NULL;
     s.clipped = parts & BACKDROP_CLIPPED;
-    drawing_bound(&s);
+    drawing_raise(&s, 0, s.lo[2]);
     draw(&s, lines, parts);
     buf_free(&labels.boxes);
     outline_free(&scratch[0]);

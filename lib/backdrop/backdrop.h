@@ -82,15 +82,18 @@ struct backdrop_mark {
     size_t text;     /* where the text of a label begins */
     int align;       /* the point is its left end (-1), its middle (0) or its right end (1) */
     double turn;     /* degrees: a label is turned around its point to the left, from -90 to 90 */
+    bool boxed;      /* a label is on a translucent box: it may be over any colour */
 };
 struct backdrop_list {
-    double em; /* pixels: the size of the font, sans serif */
+    double em;  /* pixels: the size of the font, sans serif */
+    bool boxed; /* while it grows: of the next labels */
     struct backdrop_mark *mark;
     struct backdrop_at *at;
     size_t n_marks, n_at;
     struct buf text; /* each ends with a byte 0 */
 };
-#define BACKDROP_PAPER 0xf6f6f6u /* the colour under all */
+#define BACKDROP_PAPER 0xf6f6f6u /* the colour under all, and of the boxes, */
+#define BACKDROP_BOXED .62       /* which are so opaque */
 
 /* The lines of b, read once: they are on the globe, or on a plane if b->flat. With b->proj, those
  * that are on the globe are put on the plane, around b->grid. NULL with a message in err if they
@@ -98,13 +101,16 @@ struct backdrop_list {
 struct backdrop_lines;
 struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR]);
 void backdrop_lines_free(struct backdrop_lines *l);
+/* True if some lines, areas or places are at a height. */
+bool backdrop_lines_raised(const struct backdrop_lines *l);
 
 #define BACKDROP_MAP 1u     /* plane, areas and lines */
 #define BACKDROP_AXES 2u    /* graticule, edges and labels */
 #define BACKDROP_LEGEND 4u  /* in the strip */
 #define BACKDROP_CAPTION 8u /* likewise */
-#define BACKDROP_ALL 15u
-#define BACKDROP_CLIPPED 16u /* the map without what is outside of the picture */
+#define BACKDROP_RAISED 16u /* lines and places at heights */
+#define BACKDROP_ALL 31u
+#define BACKDROP_CLIPPED 32u /* the map without what is outside of the picture */
 /* Puts these parts into the list, in the place of what it holds. b->lines do not count. */
 void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsigned parts,
     struct backdrop_list *list);
@@ -112,9 +118,11 @@ void backdrop_list_free(struct backdrop_list *list);
 
 /* ---- as a gnuplot script --------------------------------------------------------------------- */
 
-/* Appends a script that writes a PNG to standard output: w pixels wide, h and the strip high. The
- * caption may be left out. Returns 0, or -1 with a message in err if the lines are invalid. */
-int backdrop_write(const struct backdrop *b, bool caption, struct buf *out, char err[BACKDROP_ERR]);
+/* Appends a script that writes these parts as a PNG to standard output: w pixels wide, h and the
+ * strip high; transparent where nothing is drawn if they are BACKDROP_RAISED only. Returns 0, or -1
+ * with a message in err if the lines are invalid. */
+int backdrop_write(
+    const struct backdrop *b, unsigned parts, struct buf *out, char err[BACKDROP_ERR]);
 /* Appends a script that writes the caption as a PNG of the same width: the bottom of the strip. */
 void backdrop_write_caption(const struct backdrop *b, struct buf *out);
 

@@ -21,7 +21,7 @@ static struct half along(const struct drawing *s, struct vec3 d)
 {
     const double *scale = s->b->spec->scale;
     return (struct half){
-        d.x * scale[0], d.y * scale[1], d.z * (s->lo[2] * scale[2]) - v3_dot(d, s->camera.eye)};
+        d.x * scale[0], d.y * scale[1], d.z * (s->z * scale[2]) - v3_dot(d, s->camera.eye)};
 }
 
 /* That of the eye has a small margin, relative to the distance of the map. */
@@ -30,7 +30,7 @@ void drawing_bound(struct drawing *s)
     struct half *h = s->half;
     const double *scale = s->b->spec->scale, *lo = s->lo, *hi = s->hi;
     const struct camera *c = &s->camera;
-    struct vec3 corner = v3(lo[0] * scale[0], lo[1] * scale[1], lo[2] * scale[2]);
+    struct vec3 corner = v3(lo[0] * scale[0], lo[1] * scale[1], s->z * scale[2]);
     h[0] = (struct half){1, 0, -lo[0]};
     h[1] = (struct half){-1, 0, hi[0]};
     h[2] = (struct half){0, 1, -lo[1]};

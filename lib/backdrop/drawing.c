@@ -14,7 +14,7 @@ static void set_map(struct drawing *s)
     for (int i = 0; i < 3; i++) {
         s->map[i][0] = axes[i].x * scale[0];
         s->map[i][1] = axes[i].y * scale[1];
-        s->map[i][2] = axes[i].z * (s->lo[2] * scale[2]) - v3_dot(axes[i], s->camera.eye);
+        s->map[i][2] = axes[i].z * (s->z * scale[2]) - v3_dot(axes[i], s->camera.eye);
     }
 }
 
@@ -32,7 +32,14 @@ void drawing_init(struct drawing *s, const struct backdrop *b)
         s->lo[a] = b->grid->at[a][turned ? last : 0];
         s->hi[a] = b->grid->at[a][turned ? 0 : last];
     }
+}
+
+void drawing_raise(struct drawing *s, int level, double z)
+{
+    s->level = level;
+    s->z = z;
     set_map(s);
+    drawing_bound(s);
 }
 
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2])

@@ -37,7 +37,9 @@ struct drawing {
     struct labels *labels;
     struct outline *scratch;  /* two, for areas */
     bool clipped;             /* to the picture */
-    double map[3][3];         /* of a point x, y on the map: right, up and forward of the eye */
+    double z;                 /* height of the map, or of lines, set by drawing_raise */
+    int level;                /* 0: the map; or that of the lines at this height */
+    double map[3][3];         /* of a point x, y there: right, up and forward of the eye */
     struct half half[HALVES]; /* set by drawing_bound (cut.c) */
     int n_halves;
     double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
@@ -64,6 +66,9 @@ void mark_cut(struct backdrop_list *l, size_t n_marks);
 /* ---- points and text (drawing.c) ------------------------------------------------------------ */
 
 void drawing_init(struct drawing *s, const struct backdrop *b);
+/* Puts what is on the map, until the next call, at this height. */
+void drawing_raise(struct drawing *s, int level, double z);
+void drawing_bound(struct drawing *s); /* the half-planes, for drawing_raise (cut.c) */
 /* Projects a point in grid coordinates to pixels. False if it is not in front of the eye. */
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2]);
 /* The same for a point on the map that is known to be in front of the eye. */

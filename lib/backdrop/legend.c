@@ -23,7 +23,7 @@ struct bar {
     size_t n;       /* of knot */
     double least;   /* opacity at least: of a slice, the second field, a flat ground */
     bool of_ground; /* not of the field */
-    double *even;              /* n_even values at even distances; NULL: the bar is linear */
+    double *even;   /* n_even values at even distances; NULL: the bar is linear */
     size_t n_even;
 };
 
@@ -197,8 +197,7 @@ static void draw_bar(struct bar b, const struct drawing *s)
     const struct spec *p = s->b->spec;
     const size_t n_isos = b.of_ground ? 0 : bar_n_isos(p);
     b.lo = HUGE_VAL, b.hi = -HUGE_VAL;
-    for (size_t i = 0; i < b.n; i++)
-        b.lo = fmin(b.lo, b.knot[i].s), b.hi = fmax(b.hi, b.knot[i].s);
+    for (size_t i = 0; i < b.n; i++) b.lo = fmin(b.lo, b.knot[i].s), b.hi = fmax(b.hi, b.knot[i].s);
     for (size_t i = 0; i < n_isos; i++)
         b.lo = fmin(b.lo, p->iso[i].s), b.hi = fmax(b.hi, p->iso[i].s);
     if (n_isos == 0) bar_places(&b, b.knot, b.n);

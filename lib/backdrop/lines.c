@@ -25,39 +25,59 @@ static const char *next_line(const char *text, char line[LINE])
 
 #define NAME_MAX_BYTES 100
 
-/* Keeps a name. False if it has none of 1 to NAME_MAX_BYTES bytes that may be shown. */
-static bool take_text(struct backdrop_lines *l, const char *s, bool required)
+/* Keeps a name. Returns NULL, or what was expected. */
+static const char *take_text(struct backdrop_lines *l, const char *s, bool required)
 {
+    static const char expected[] =
+        "expected a name of 1 to 100 bytes without control characters, in UTF-8";
     size_t n = strlen(s), k;
-    while (n && strchr(" \t\r", s[n - 1])) n--;
-    if (n > NAME_MAX_BYTES || (required && !n)) return false;
+    if (n > NAME_MAX_BYTES || (required && !n)) return expected;
     for (size_t i = 0; i < n; i += k)
-        if (!(k = utf8_shown(s + i, n - i))) return false;
+        if (!(k = utf8_shown(s + i, n - i))) return expected;
     l->now.text = buf_size(&l->text);
     buf_append(&l->text, s, n);
     buf_append(&l->text, "", 1);
-    return true;
+    return NULL;
 }
 
-/* Parses "> land", "> water", "> globe", "> line TEXT" or "> mark NAME"; any other header is that
- * of a line. False if it has a bad name. */
-static bool take_head(struct backdrop_lines *l, char *line)
+/* Returns NULL, or what was expected. */
+static const char *take_height(struct backdrop_lines *l, const char *s)
+{
+    double z;
+    if (!parse_real(s, l->z[0], l->z[1], &z)) return l->no_height;
+    for (l->level = 1; l->level <= l->n_heights && l->height[l->level - 1] != z;) l->level++;
+    if (l->level > LINES_HEIGHTS) return "expected at most 100 heights";
+    if (l->level > l->n_heights) l->height[l->n_heights++] = z;
+    return NULL;
+}
+
+/* Parses "> land", "> water", "> globe", "> plane", "> height Z", "> line TEXT" or "> mark NAME";
+ * any other header is that of a line. Returns NULL, or what was expected. */
+static const char *take_head(struct backdrop_lines *l, char *line)
 {
     static const char *const words[] = {[LINES_LAND] = "land",
         [LINES_WATER] = "water",
         [LINES_GLOBE] = "globe",
         [LINES_PLANE] = "plane",
+        [LINES_HEIGHT] = "height",
         [LINES_TEXT] = "line",
         [LINES_MARK] = "mark"};
     char *rest = line, *sign = strtok_r(rest, " \t\r", &rest);
     char *word = strtok_r(NULL, " \t\r", &rest);
-    if (!sign || !word || strcmp(sign, ">") != 0) return true;
+    if (!sign || !word || strcmp(sign, ">") != 0) return NULL;
     int kind = LINES_MARK;
     while (kind > LINES_OPEN && strcmp(word, words[kind]) != 0) kind--;
     rest += strspn(rest, " \t\r");
-    if (kind < LINES_TEXT && *rest) return true;
+    for (size_t n = strlen(rest); n && strchr(" \t\r", rest[n - 1]);) rest[--n] = '\0';
+    if (kind < LINES_HEIGHT && *rest) return NULL;
     l->now.kind = (enum lines_kind)kind;
-    return kind < LINES_TEXT || take_text(l, rest, kind == LINES_MARK);
+    if (kind == LINES_GLOBE || kind == LINES_PLANE) {
+        l->globe = kind == LINES_GLOBE;
+        l->level = 0;
+    }
+    return kind < LINES_HEIGHT    ? NULL
+           : kind == LINES_HEIGHT ? take_height(l, rest)
+                                  : take_text(l, rest, kind == LINES_MARK);
 }
 
 static bool is_area(enum lines_kind kind) { return kind == LINES_LAND || kind == LINES_WATER; }
@@ -77,13 +97,15 @@ static void take_piece(void *lines, struct outline *piece, enum outline_piece ki
                 .kind = side ? LINES_OPEN : l->now.kind,
                 .text = l->now.text,
                 .seen = true,
+                .level = l->now.level,
                 .bare = kind == OUTLINE_AREA});
 }
 
 /* Puts places from the globe on the plane, where they are on it. */
 static void spread_places(struct backdrop_lines *l, const struct outline *o)
 {
-    struct lines_part p = {.kind = LINES_MARK, .text = l->now.text, .seen = true, .o.flat = true};
+    struct lines_part p = l->now;
+    p.o = (struct outline){.flat = true};
     struct plane_at at;
     for (size_t i = 0; i < o->n; i++)
         if (plane_forward(l->plane, (struct plane_at){o->at[i].x, o->at[i].y}, &at))
@@ -101,7 +123,6 @@ static void flush(struct backdrop_lines *l)
         else outline_spread(l->plane, &p->o, is_area(p->kind), take_piece, l);
         outline_free(&p->o);
     } else if (p->o.n) keep(l, p);
-    l->now = (struct lines_part){.o.flat = l->flat && !l->globe, .seen = true};
 }
 
 /* Returns NULL, or what was expected. */
@@ -110,13 +131,13 @@ static const char *read_line(struct backdrop_lines *l, char *line)
     double v[2];
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(l);
-        if (!take_head(l, line))
-            return "expected a name of 1 to 100 bytes without control characters, in UTF-8";
-        if (l->now.kind == LINES_GLOBE || l->now.kind == LINES_PLANE)
-            l->globe = l->now.kind == LINES_GLOBE;
+        l->now = (struct lines_part){.seen = true};
+        const char *fault = take_head(l, line);
+        if (fault) return fault;
         if (l->now.kind == LINES_PLANE && !l->flat)
             return "coordinates of a plane, expected longitudes and latitudes, as the grid has";
         l->now.o.flat = l->flat && !l->globe;
+        l->now.level = l->level;
         return l->globe && l->flat && !l->plane ? l->no_plane : NULL;
     }
     if (!numbers(line, v)) return "expected longitude and latitude";
@@ -150,6 +171,9 @@ struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BA
     const char *fault = NULL;
     l->flat = b->flat;
     open_plane(b, l);
+    l->z[0] = b->grid->at[2][0];
+    l->z[1] = b->grid->at[2][b->grid->n[2] - 1];
+    err_set(l->no_height, "expected a height of the grid, from %g to %g", l->z[0], l->z[1]);
     l->now = (struct lines_part){.o.flat = b->flat, .seen = true};
     for (const char *rest = b->lines; rest && !fault; number++) {
         rest = next_line(rest, line);
@@ -175,17 +199,20 @@ void backdrop_lines_free(struct backdrop_lines *l)
     free(l);
 }
 
+bool backdrop_lines_raised(const struct backdrop_lines *l) { return l->n_heights > 0; }
+
 const struct plane *lines_plane(const struct backdrop_lines *l) { return l->plane; }
 
 void lines_fill(const struct drawing *s, struct backdrop_lines *l)
 {
     for (struct lines_part *p = l->part; p < l->part + l->n; p++)
-        if (is_area(p->kind))
+        if (is_area(p->kind) && p->level == s->level)
             p->seen = outline_fill(s, &p->o, BACKDROP_AREA, p->kind == LINES_WATER ? SEA : LAND);
 }
 
 void lines_stroke(const struct drawing *s, const struct backdrop_lines *l)
 {
     for (const struct lines_part *p = l->part; p < l->part + l->n; p++)
-        if (p->seen && !p->bare && p->kind < LINES_TEXT) outline_stroke(s, &p->o);
+        if (p->seen && !p->bare && p->kind < LINES_TEXT && p->level == s->level)
+            outline_stroke(s, &p->o);
 }

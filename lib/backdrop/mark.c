@@ -40,6 +40,7 @@ void mark_label(
     begin(l, BACKDROP_LABEL, 0, 0);
     l->mark[l->n_marks - 1].align = align;
     l->mark[l->n_marks - 1].turn = turn;
+    l->mark[l->n_marks - 1].boxed = l->boxed;
     buf_append(&l->text, text, strlen(text) + 1);
     mark_point(l, xy[0], xy[1]);
 }

@@ -174,7 +174,7 @@ void lines_write(const struct drawing *s, const struct backdrop_lines *l)
     struct writer w = {.s = s, .done = xcalloc(LINES_TEXTS, sizeof *w.done)};
     size_t n = 0;
     for (size_t i = 0; i < l->n; i++)
-        if (l->part[i].kind == LINES_TEXT) part[n++] = &l->part[i];
+        if (l->part[i].kind == LINES_TEXT && l->part[i].level == s->level) part[n++] = &l->part[i];
     qsort(part, n, sizeof(void *), by_size);
     if (n) mark_begin(s->list, BACKDROP_NUMBERED, NUMBERED, WIDTH);
     for (size_t i = 0; i < n; i++) write_part(&w, part[i], lines_text(l, part[i]));

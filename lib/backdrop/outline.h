@@ -31,7 +31,6 @@ struct halves {
     struct half at[HALVES];
     int n;
 };
-void drawing_bound(struct drawing *s);
 bool outline_halves(
     const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h);
 /* The part of a line inside all half-planes, as two factors. False if there is none. */

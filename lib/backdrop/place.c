@@ -20,7 +20,8 @@ void lines_mark(const struct drawing *s, struct backdrop_lines *l)
     bool begun = false;
     size_t at = s->list->n_at, texts = 0;
     for (struct lines_part *p = l->part; p < end; p++) {
-        if (p->kind != LINES_MARK) continue;
+        p->n_at = 0;
+        if (p->kind != LINES_MARK || p->level != s->level) continue;
         if (!begun) mark_begin(s->list, BACKDROP_DOTS, DOT, ACROSS * s->em);
         begun = true;
         const size_t before = s->list->n_at;

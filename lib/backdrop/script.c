@@ -10,16 +10,20 @@
  * pngcairo accepts UTF-8 directly. `set encoding` would make gnuplot warn in a locale without a
  * degree sign, such as C.
  */
-static void head(const struct drawing *s, struct buf *out, double lo, double hi)
+static void head(const struct drawing *s, unsigned parts, struct buf *out, double lo, double hi)
 {
+    char paper[32] = "transparent";
+    if (parts != BACKDROP_RAISED)
+        snprintf(paper, sizeof paper, "background rgb '#%06x'", BACKDROP_PAPER);
     buf_printf(out,
-        "reset\nset terminal pngcairo size %g,%g fontscale %.3f background rgb '#%06x'\n"
+        "reset\nset terminal pngcairo size %g,%g fontscale %.3f %s\n"
         "unset border\nunset tics\nunset key\n"
         "set lmargin at screen 0\nset rmargin at screen 1\n"
         "set bmargin at screen 0\nset tmargin at screen 1\n"
+        "set style textbox opaque noborder fillcolor rgb '#%02x%06x' margins .4,.2\n"
         "set xrange [.5:%.3f]\nset yrange [%.3f:%.3f]\n",
-        s->w, hi - lo, s->em / BACKDROP_FONT, BACKDROP_PAPER, s->w - .5 - UNIT, lo + .5,
-        hi - .5 - UNIT);
+        s->w, hi - lo, s->em / BACKDROP_FONT, paper, (unsigned)(255 * (1 - BACKDROP_BOXED)),
+        BACKDROP_PAPER, s->w - .5 - UNIT, lo + .5, hi - .5 - UNIT);
 }
 
 /* Writes text in single quotes, where gnuplot treats only a quote specially. */
@@ -43,7 +47,7 @@ static void label(const struct backdrop_mark *m, const struct backdrop_list *l, 
         : m->align > 0 ? "right"
                        : "center");
     if (m->turn != 0) buf_printf(out, " rotate by %.1f", m->turn);
-    buf_printf(out, "\n");
+    buf_printf(out, m->boxed ? " boxed\n" : "\n");
 }
 
 static void rectangle(const struct backdrop_mark *m, const struct backdrop_list *l, struct buf *out)
@@ -61,9 +65,9 @@ static bool is_empty_left_out(enum backdrop_kind kind)
     return kind == BACKDROP_LINES || kind == BACKDROP_NUMBERED || kind == BACKDROP_DOTS;
 }
 
-/* The name of a block; area: the number of areas so far. */
+/* The name of a block; n: those of each kind so far. */
 #define BLOCK 32
-static void block_name(const struct backdrop_mark *m, int *area, char name[BLOCK])
+static void block_name(const struct backdrop_mark *m, int n[], char name[BLOCK])
 {
     static const char *const names[] = {[BACKDROP_PLANE] = "$plane",
         [BACKDROP_AREA] = "$area",
@@ -72,7 +76,8 @@ static void block_name(const struct backdrop_mark *m, int *area, char name[BLOCK
         [BACKDROP_NUMBERED] = "$numbered",
         [BACKDROP_EDGES] = "$edges",
         [BACKDROP_DOTS] = "$dots"};
-    if (m->kind == BACKDROP_AREA) snprintf(name, BLOCK, "%s%d", names[m->kind], (*area)++);
+    const int k = n[m->kind]++;
+    if (k || m->kind == BACKDROP_AREA) snprintf(name, BLOCK, "%s%d", names[m->kind], k);
     else snprintf(name, BLOCK, "%s", names[m->kind]);
 }
 
@@ -103,13 +108,13 @@ static void plot(const struct backdrop_mark *m, const char *name, struct buf *ou
 static void write_list(const struct backdrop_list *l, struct buf *out)
 {
     struct buf plots = {0};
-    int area = 0;
+    int n[BACKDROP_DOTS + 1] = {0};
     char name[BLOCK];
     for (const struct backdrop_mark *m = l->mark; m < l->mark + l->n_marks; m++) {
         if (m->kind == BACKDROP_LABEL) label(m, l, out);
         else if (!is_block(m)) rectangle(m, l, out);
         else {
-            block_name(m, &area, name);
+            block_name(m, n, name);
             block(m, l, name, out);
             if (m->n || !is_empty_left_out(m->kind)) plot(m, name, &plots);
         }
@@ -128,20 +133,21 @@ void backdrop_write_caption(const struct backdrop *b, struct buf *out)
     struct drawing s;
     drawing_init(&s, b);
     backdrop_draw(b, NULL, BACKDROP_CAPTION, &list);
-    head(&s, out, -s.strip, ceil(BACKDROP_LINE * s.em) - s.strip);
+    head(&s, BACKDROP_CAPTION, out, -s.strip, ceil(BACKDROP_LINE * s.em) - s.strip);
     write_list(&list, out);
     backdrop_list_free(&list);
 }
 
-int backdrop_write(const struct backdrop *b, bool caption, struct buf *out, char err[BACKDROP_ERR])
+int backdrop_write(
+    const struct backdrop *b, unsigned parts, struct buf *out, char err[BACKDROP_ERR])
 {
     struct backdrop_lines *lines = backdrop_lines_read(b, err);
     struct backdrop_list list = {.em = 0};
     struct drawing s;
     if (!lines) return -1;
     drawing_init(&s, b);
-    backdrop_draw(b, lines, caption ? BACKDROP_ALL : BACKDROP_ALL & ~BACKDROP_CAPTION, &list);
-    head(&s, out, -s.strip, s.h);
+    backdrop_draw(b, lines, parts, &list);
+    head(&s, parts, out, -s.strip, s.h);
     write_list(&list, out);
     backdrop_list_free(&list);
     backdrop_lines_free(lines);

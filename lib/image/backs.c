@@ -1,4 +1,4 @@
-/* backs: pictures that are put under a picture while that is written; see image.h. */
+/* backs: pictures that are put over or under a picture while that is written; see image.h. */
 #include "image/codecs.h"
 
 #include <inttypes.h>
@@ -55,11 +55,15 @@ void image_backs_blend(struct image_backs *b, struct image *over)
     }
 }
 
-void image_opt_back(int opt, const char *name, struct image_backs *b)
+void image_opt_back(int opt, const char *name, bool over, struct image_backs *b)
 {
     if (image_name_check(name) == IMAGE_NAME_BAD)
         die(ST_USAGE, "-%c %s: bad pattern, expected one %%d or %%03d at most", opt, name);
     image_backs_add(b, name, strchr(name, '%') != NULL);
+    if (!over) return;
+    struct image_back *first = b->back + b->n_over++, last = b->back[b->n - 1];
+    memmove(first + 1, first, (size_t)(b->n - b->n_over) * sizeof *first);
+    *first = last;
 }
 
 void image_backs_free(struct image_backs *b)
@@ -95,16 +99,16 @@ static void load(struct image_back *k, uint32_t frame)
 static const float *row(const struct image_rows *rows, uint32_t y)
 {
     struct image_backs *b = rows->ctx;
-    const float *over = y < b->over.h ? b->over.row(&b->over, y) : NULL;
-    if (!over && y < b->over.h) return NULL;
-    if (over) memcpy(b->line, over, (size_t)rows->w * 4 * sizeof *over);
-    else memset(b->line, 0, (size_t)rows->w * 4 * sizeof *b->line);
+    const float *picture = y < b->picture.h ? b->picture.row(&b->picture, y) : NULL;
+    if (!picture && y < b->picture.h) return NULL;
+    memset(b->line, 0, (size_t)rows->w * 4 * sizeof *b->line);
     for (int i = 0; i < b->n; i++) {
         const struct image *im = &b->back[i].im;
         const uint32_t top = rows->h - im->h;
-        if (y < top) continue;
-        put_under(b->line, im->rgba + (size_t)(y - top) * im->w * 4, rows->w);
+        if (i == b->n_over && picture) put_under(b->line, picture, rows->w);
+        if (y >= top) put_under(b->line, im->rgba + (size_t)(y - top) * im->w * 4, rows->w);
     }
+    if (b->n == b->n_over && picture) put_under(b->line, picture, rows->w);
     return b->line;
 }
 
@@ -119,13 +123,13 @@ struct image_rows image_backs_under(
         if (k->im.w != over->w)
             die(ST_USAGE,
                 "%s has %" PRIu32 "x%" PRIu32 " pixels, expected a width of %" PRIu32
-                ", as the picture over it",
+                ", as the picture with it",
                 k->name, k->im.w, k->im.h, over->w);
         if (k->im.h > all.h) all.h = k->im.h;
     }
     all.opaque = over->opaque && over->h == all.h;
     for (int i = 0; i < b->n; i++) all.opaque |= b->back[i].opaque && b->back[i].im.h == all.h;
-    b->over = *over;
+    b->picture = *over;
     b->line = xrealloc(b->line, (size_t)over->w * 4, sizeof *b->line);
     return all;
 }

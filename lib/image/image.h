@@ -73,14 +73,14 @@ struct image_rows {
 struct image_rows image_rows_of(const struct image *im); /* valid as long as im */
 
 /*
- * Backdrops: pictures under a picture, topmost first, composited row by row in linear light. All
- * have the width of the picture. The picture is at the top of the highest of them, and lower ones
- * are at its bottom. All zero at first.
+ * Backdrops: pictures under a picture, or over it, topmost first, composited row by row in linear
+ * light. All have the width of the picture. The picture is at the top of the highest of them, and
+ * lower ones are at its bottom. All zero at first.
  */
 struct image_backs {
     struct image_back *back;
-    int n;
-    struct image_rows over; /* the picture */
+    int n, n_over; /* in all; over the picture */
+    struct image_rows picture;
     float *line;
 };
 /* Adds the lowest one so far: a file, "-" for standard input, or, if numbered, a pattern for
@@ -89,11 +89,11 @@ void image_backs_add(struct image_backs *b, const char *name, bool numbered);
 /* Puts the uppermost ones that are as large as this picture under it, and frees them: they are at
  * the top with it, and not at the bottom. For files that were added without a number. */
 void image_backs_blend(struct image_backs *b, struct image *over);
-/* Adds the file, or the pattern if it has a %, that is the argument of option `-opt`; dies with
- * status 2 if it is bad. */
-void image_opt_back(int opt, const char *name, struct image_backs *b);
+/* Adds the file, or the pattern if it has a %, that is the argument of option `-opt`, over the
+ * picture or under it; dies with status 2 if it is bad. */
+void image_opt_back(int opt, const char *name, bool over, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
-/* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
+/* Picture number `frame` with its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
 struct image_rows image_backs_under(
     struct image_backs *b, uint32_t frame, const struct image_rows *over);
@@ -163,7 +163,7 @@ void image_name_keep(const char *pattern, uint32_t first, uint32_t last);
 struct image_out {
     const char *pattern;       /* of their names; NULL: standard output */
     int bits;                  /* per sample of a PNG or PAM: 8 or 16 */
-    struct image_backs *backs; /* under each picture; NULL: none */
+    struct image_backs *backs; /* with each picture; NULL: none */
     /* set by image_out_check */
     enum image_format format;
     enum image_naming naming;
@@ -176,7 +176,7 @@ char *image_out_name(const struct image_out *o, uint32_t frame);
 /* The directory for the pixels of large frames, which the caller frees: TMPDIR; else that of
  * picture number `frame`; for standard output /var/tmp. */
 char *image_out_spill(const struct image_out *o, uint32_t frame);
-/* Writes picture number `frame` over its backdrops under that name, with its job, if that is not
+/* Writes picture number `frame` with its backdrops under that name, with its job, if that is not
  * NULL. Returns 0, or -1 with errno. */
 int image_out_put(const struct image_out *o, uint32_t frame, const char *name,
     const struct image_rows *rows, const char *job);

@@ -67,8 +67,9 @@ void paint_line(struct cover *c, struct backdrop_at p, struct backdrop_at q, dou
 
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t cover)
 {
-    uint32_t result = 0xff000000u;
-    for (int shift = 0; shift < 24; shift += 8) {
+    uint32_t result = 0;
+    over |= 0xff000000u;
+    for (int shift = 0; shift < 32; shift += 8) {
         uint32_t u = under >> shift & 255, o = over >> shift & 255;
         result |= ((u * (255 - cover) + o * cover) * 257 + 32896) >> 16 << shift;
     }

@@ -15,7 +15,7 @@ struct cover {
 };
 /* Draws a line between two points, in pixels with y downwards, which are near the picture. */
 void paint_line(struct cover *c, struct backdrop_at p, struct backdrop_at q, double width);
-/* Paints a colour where lines are, over opaque pixels, and clears them. */
+/* Paints a colour where lines are, and clears them. */
 void paint_covered(struct cover *c, uint32_t rgb, uint32_t *argb);
 
 #endif

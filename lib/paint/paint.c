@@ -36,10 +36,10 @@ void paint_free(struct paint *p)
     free(p);
 }
 
-static void set_colour(cairo_t *cr, uint32_t rgb)
+static void set_colour(cairo_t *cr, uint32_t rgb, double opacity)
 {
-    cairo_set_source_rgb(
-        cr, (rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0);
+    cairo_set_source_rgba(
+        cr, (rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, opacity);
 }
 
 struct canvas {
@@ -121,10 +121,18 @@ static void label(const struct canvas *c, struct paint *p, const struct backdrop
     pango_layout_get_extents(p->layout, NULL, &r);
     const double wide = (double)r.width / PANGO_SCALE;
     const double base = (double)pango_layout_get_baseline(p->layout) / PANGO_SCALE;
+    const double left = -wide * (m->align + 1) / 2, top = BASELINE * p->list.em - base;
     cairo_save(c->cr);
     cairo_translate(c->cr, at.x, c->h - at.y);
     cairo_rotate(c->cr, -m->turn * G_PI / 180);
-    cairo_move_to(c->cr, -wide * (m->align + 1) / 2, BASELINE * p->list.em - base);
+    if (m->boxed) {
+        const double beside = .2 * p->list.em, high = (double)r.height / PANGO_SCALE;
+        set_colour(c->cr, BACKDROP_PAPER, BACKDROP_BOXED);
+        cairo_rectangle(c->cr, left - beside, top, wide + 2 * beside, high);
+        cairo_fill(c->cr);
+        set_colour(c->cr, m->rgb, 1);
+    }
+    cairo_move_to(c->cr, left, top);
     pango_cairo_show_layout(c->cr, p->layout);
     cairo_restore(c->cr);
 }
@@ -141,7 +149,7 @@ static void discs(
 static void mark(const struct canvas *c, struct paint *p, const struct backdrop_mark *m)
 {
     const struct backdrop_at *at = p->list.at + m->first;
-    set_colour(c->cr, m->rgb);
+    set_colour(c->cr, m->rgb, 1);
     switch (m->kind) {
     case BACKDROP_PLANE:
     case BACKDROP_AREA: fill(c, at, m->n); break;
@@ -171,14 +179,18 @@ static void fit_cover(struct cover *c, uint32_t w, uint32_t h)
     *c = (struct cover){xcalloc(w, h), w, h, h, 0};
 }
 
-bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, uint32_t *argb)
+/* Over the paper, or over nothing. */
+static bool paint(
+    struct paint *p, const struct backdrop *b, unsigned parts, bool paper, uint32_t *argb)
 {
     struct canvas c = {paint_pen(argb, b->w, b->h + backdrop_strip(b)), argb, b->w, b->h};
     if (!c.cr) return false;
     fit_cover(&p->cover, b->w, b->h);
     backdrop_draw(b, p->lines, parts | BACKDROP_CLIPPED, &p->list);
-    set_colour(c.cr, BACKDROP_PAPER);
+    set_colour(c.cr, BACKDROP_PAPER, 1);
+    cairo_set_operator(c.cr, paper ? CAIRO_OPERATOR_SOURCE : CAIRO_OPERATOR_CLEAR);
     cairo_paint(c.cr);
+    cairo_set_operator(c.cr, CAIRO_OPERATOR_OVER);
     cairo_set_antialias(c.cr, CAIRO_ANTIALIAS_FAST);
     cairo_save(c.cr);
     cairo_rectangle(c.cr, 0, 0, c.w, c.h);
@@ -191,4 +203,16 @@ bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, u
     marks(&c, p, BACKDROP_DOTS, BACKDROP_BOX);
     marks(&c, p, BACKDROP_LABEL, BACKDROP_LABEL);
     return paint_pen_free(c.cr);
+}
+
+bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, uint32_t *argb)
+{
+    return paint(p, b, parts, true, argb);
+}
+
+bool paint_has_raised(const struct paint *p) { return backdrop_lines_raised(p->lines); }
+
+bool paint_raised(struct paint *p, const struct backdrop *b, uint32_t *argb)
+{
+    return paint(p, b, BACKDROP_RAISED, false, argb);
 }

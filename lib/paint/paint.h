@@ -26,6 +26,10 @@ void paint_free(struct paint *p);
  * is no memory.
  */
 bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, uint32_t *argb);
+/* True if some lines are at heights. Then paint_raised paints these, which belong over a picture,
+ * and makes the other pixels transparent. Otherwise as paint_backdrop. */
+bool paint_has_raised(const struct paint *p);
+bool paint_raised(struct paint *p, const struct backdrop *b, uint32_t *argb);
 
 enum paint_place { PAINT_TOP_LEFT, PAINT_TOP_RIGHT, PAINT_BOTTOM_LEFT, PAINT_BOTTOM_RIGHT };
 /* Paints lines of text in a translucent box in a corner of w times h pixels. The text is smaller if

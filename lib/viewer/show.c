@@ -90,7 +90,7 @@ uint32_t show_strip(const struct viewer *v, uint32_t w, uint32_t h)
     return v->framed && !v->subject.scene ? backdrop_strip(&b) : 0;
 }
 
-/* Of the view that is shown. */
+/* Of the view that is shown: what is behind it, and lines at heights. */
 static void paint_back(struct viewer *v)
 {
     struct backdrop_names names;
@@ -98,13 +98,18 @@ static void paint_back(struct viewer *v)
     const size_t n = (size_t)v->w * (v->h + v->strip);
     if (!parts(v) || v->subject.scene) {
         free(v->back);
-        v->back = NULL;
+        free(v->front);
+        v->back = v->front = NULL;
         return;
     }
     const struct backdrop b = describe(v, &names, time);
     v->back = xrealloc(v->back, (size_t)v->w * (v->h + backdrop_strip(&b)), sizeof *v->back);
-    if (paint_backdrop(v->paint, &b, parts(v), v->back)) return;
-    memset(v->back, 0, n * sizeof *v->back);
+    if (!paint_backdrop(v->paint, &b, parts(v), v->back)) memset(v->back, 0, n * sizeof *v->back);
+    free(v->front);
+    v->front = NULL;
+    if (!v->mapped || !paint_has_raised(v->paint)) return;
+    v->front = xcalloc(n, sizeof *v->front);
+    paint_raised(v->paint, &b, v->front);
 }
 
 /* The status for a while after it changed, or the help. True if there is some. */
@@ -129,11 +134,29 @@ static void make_screen(struct viewer *v)
     v->stale = v->backdated = true;
 }
 
+/* Puts premultiplied pixels over opaque ones. */
+static void put_over(const uint32_t *over, uint32_t n, uint32_t *argb)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t clear = 255 - (over[i] >> 24), under = argb[i];
+        if (clear == 255) continue;
+        argb[i] = 0;
+        for (int shift = 0; shift < 32; shift += 8) {
+            const uint32_t sum =
+                (over[i] >> shift & 255) + ((under >> shift & 255) * clear + 127) / 255;
+            argb[i] |= (sum < 255 ? sum : 255) << shift;
+        }
+    }
+}
+
 static void draw_rows(struct viewer *v, uint32_t first, uint32_t end)
 {
-    for (uint32_t y = first; y < end; y++)
-        image_screen_row(v->screen, v->look.rgba + (size_t)4 * y * v->w,
-            v->back ? v->back + (size_t)y * v->w : NULL, v->w, v->argb + (size_t)y * v->w);
+    for (uint32_t y = first; y < end; y++) {
+        const size_t at = (size_t)y * v->w;
+        image_screen_row(
+            v->screen, v->look.rgba + 4 * at, v->back ? v->back + at : NULL, v->w, v->argb + at);
+        if (v->front) put_over(v->front + at, v->w, v->argb + at);
+    }
 }
 
 /* Text lies over the picture, so all of that is drawn with it, and once more when it goes. */
@@ -211,4 +234,5 @@ void show_free(struct viewer *v)
     buf_free(&v->help);
     free(v->argb);
     free(v->back);
+    free(v->front);
 }

@@ -122,7 +122,8 @@ struct viewer {
     struct buf help;       /* the controls */
     struct buf lines;      /* of the map, with NUL */
     struct spec viewed;    /* of the view that was asked for */
-    uint32_t *argb, *back; /* of the picture and the strip below it; what is behind, or NULL */
+    /* Of the picture and the strip below it; what is behind, and what is over it, or NULL. */
+    uint32_t *argb, *back, *front;
     uint32_t w, h, strip;
     int64_t shown_us, said_us;
     bool stale;     /* all is to be drawn, */

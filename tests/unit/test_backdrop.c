@@ -34,7 +34,7 @@ static void draws(const struct grid *g, const struct spec *s, const char *lines,
     char err[BACKDROP_ERR];
     b.lines_name = "lines";
     b.lines = lines;
-    if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
+    if (backdrop_write(&b, BACKDROP_ALL, &out, err) != 0) fail_msg("%s", err);
     buf_append(&out, "", 1);
     const char *text = (const char *)buf_data(&out);
     assert_non_null(strstr(text, "$edges with lines"));
@@ -156,7 +156,7 @@ static void test_labels(void **state)
             .unit = "hPa",
             .time = "2026-11-23 12:00 UTC"};
         if (round % 3 == 1) b.flat = "m", b.proj = planes[round % 5];
-        if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
+        if (backdrop_write(&b, BACKDROP_ALL, &out, err) != 0) fail_msg("%s", err);
         buf_append(&out, "", 1);
         check_labels((const char *)buf_data(&out), &b, (const char *)buf_data(&text));
         buf_free(&out);
@@ -184,7 +184,7 @@ static int patches(const char *lines, const char *rgb)
         fail_msg("%s", err);
     struct backdrop b = {
         .grid = &g, .spec = &s, .w = s.w, .h = s.h, .title = "x", .unit = "m", .time = ""};
-    if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
+    if (backdrop_write(&b, BACKDROP_ALL, &out, err) != 0) fail_msg("%s", err);
     buf_append(&out, "", 1);
     snprintf(rest, sizeof rest, "front fs solid noborder fc rgb '#%s", rgb);
     for (const char *p = (const char *)buf_data(&out); (p = strstr(p, rest)); p++) n++;

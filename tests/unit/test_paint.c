@@ -317,7 +317,7 @@ static int write_picture(char **argv)
     backdrop_name(&c.b, NULL, NULL, &names);
     c.p = paint_open(&c.b, err);
     if (!c.p) return 1;
-    paint_in(&c, c.s.w, c.s.h, ALL);
+    paint_in(&c, c.s.w, c.s.h, ALL | BACKDROP_RAISED);
     fprintf(out, "P6 %u %u 255\n", (unsigned)c.b.w, (unsigned)c.rows);
     for (size_t i = 0; i < (size_t)c.b.w * c.rows; i++)
         for (int shift = 16; shift >= 0; shift -= 8) fputc((int)(c.argb[i] >> shift & 255), out);
