@@ -73,6 +73,15 @@ is 'a grid of other axes' "$status$err" 0
 is 'a map and axes have no background over them' "$(grep -c background said.spec)" 0
 run imgcmp shot.png at.png
 like 'the legend is below the picture' "$err" 'shot.png has 96x([89]|1..)'
+if [ -n "$(command -v gnuplot)" ]; then
+	{ grep -v '^iso\|^slice\|^background' look.spec && echo 'slice z 5000 .9'; } >slice.spec
+	isolines -z 5000 -e 4 a.vtk >lines
+	look '0 rest;0 shot shot.png' -s 480x360 -m lines a.vtk slice.spec
+	balance adaptive -j 1 -s 480x360 -m lines -o over.png a.vtk slice.spec
+	ok 'isolines of a slice are over it, where balance has them' imgcmp -t .2 -f .003 shot.png over.png
+	balance adaptive -j 1 -s 480x360 -m none: -o under.png a.vtk slice.spec
+	is 'without them the picture is another one' "$(imgcmp -t .2 -f .003 shot.png under.png >compared; echo $?)" 1
+else skip 'isolines of a slice' 'there is no gnuplot'; fi
 look '0 rest;0 key ?;0 rest;0 shot help.png;0 key ?;0 rest;0 shot none.png' -s 400x500 a.vtk look.spec
 run imgcmp help.png none.png
 is 'the help is over the picture' "$status" 1
