@@ -48,7 +48,7 @@ blend -o heights.pam nothing.pam clear2.pam low.pam all.pam
 is 'and those behind one of another height are at the bottom' "$(tail -c 9 heights.pam | od -An -tu1)" \
 	'   0   0 255   0   0 255   0 255   0'
 run blend red.pam wide.ppm
-is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture over it'
+is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture with it'
 for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
 	# shellcheck disable=SC2086
 	run blend $bad
@@ -459,7 +459,7 @@ head -c 100000 hour0.frags >part.frags
 run gather -w 1 -b c%d.png -b m%d.png -o part.png part.frags
 is 'a preview is over its backdrop too' "$status $(imgcmp part.partial.png part.partial.png | grep size)" '1 size	300x229'
 run gather -b small.png -o no.png hour0.frags
-is 'another width is refused' "$status:$err" '2:gather: small.png has 90x89 pixels, expected a width of 300, as the picture over it'
+is 'another width is refused' "$status:$err" '2:gather: small.png has 90x89 pixels, expected a width of 300, as the picture with it'
 run gather -b gone%d.png -o no.png hour0.frags
 like 'a missing backdrop is refused' "$status:$err" '^2:gather: gone0.png: No such file'
 run gather -b m%x.png -o no.png hour0.frags
