@@ -48,7 +48,7 @@ blend -o heights.pam nothing.pam clear2.pam low.pam all.pam
 is 'and those behind one of another height are at the bottom' "$(tail -c 9 heights.pam | od -An -tu1)" \
 	'   0   0 255   0   0 255   0 255   0'
 run blend red.pam wide.ppm
-is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture over it'
+is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture with it'
 for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
 	# shellcheck disable=SC2086
 	run blend $bad
@@ -163,6 +163,10 @@ titled() {
 	shift
 	backdrop "$@" titled.vtk wall.spec line | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,
 }
+sed '2s/.*/T [K]; x x [m]; y y [m]; z z [m]/; s/^40 50$/0 .02/' wall.vtk >stretched.vtk
+sed 's/^scale .*/scale 1 500 .1/; s/^from 7 20/from 7 -20/; s/^at 10 45/at 10 5/' wall.spec >stretched.spec
+like 'where y is stretched, labels of both axes are beside the map' \
+	"$(backdrop stretched.vtk stretched.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" '^0 m,4 m,8 m,.*,16 m,0.005 m,.*,0.02 m,-1000 m,'
 like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
 	'^0°,4°E,.*,42°N,.*,1000 hPa,.*,time 0 d,speed, m/s,$'
 { grep -v '^map' wall.spec; printf '%s\n' 'map 1013250 1 0 0 1' 'map 1013256 0 1 0 1'; } >precise.spec
@@ -459,7 +463,7 @@ head -c 100000 hour0.frags >part.frags
 run gather -w 1 -b c%d.png -b m%d.png -o part.png part.frags
 is 'a preview is over its backdrop too' "$status $(imgcmp part.partial.png part.partial.png | grep size)" '1 size	300x229'
 run gather -b small.png -o no.png hour0.frags
-is 'another width is refused' "$status:$err" '2:gather: small.png has 90x89 pixels, expected a width of 300, as the picture over it'
+is 'another width is refused' "$status:$err" '2:gather: small.png has 90x89 pixels, expected a width of 300, as the picture with it'
 run gather -b gone%d.png -o no.png hour0.frags
 like 'a missing backdrop is refused' "$status:$err" '^2:gather: gone0.png: No such file'
 run gather -b m%x.png -o no.png hour0.frags

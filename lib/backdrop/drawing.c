@@ -55,6 +55,14 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
     return true;
 }
 
+double drawing_longest(const struct drawing *s, int axis)
+{
+    const double *scale = s->b->spec->scale;
+    const int other = 1 - axis;
+    return fmax(s->hi[axis] - s->lo[axis],
+        (s->hi[other] - s->lo[other]) * fabs(scale[other] / scale[axis]));
+}
+
 void drawing_point(const struct drawing *s, double x, double y, double z)
 {
     double xy[2];
