@@ -175,6 +175,9 @@ like 'values of the legend have all their digits' "$(backdrop wall.vtk precise.s
 { grep -v '^map' wall.spec; printf 'map %s 1 0 0 1\n' 4 33.8 34.125 34.5 35 41 97; } >crowded.spec
 like 'a legend with crowded values has intervals of one length' "$(backdrop wall.vtk crowded.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
 	',4,33.8,34.1,34.5,35,41,97,'
+{ grep -v '^map' wall.spec; printf 'map %s 1 0 0 1\n' 44 100 130 1380 1410 1460 5640 5680 11170 11200 11230 11253; } >wide.spec
+like 'long values have room between them' "$(backdrop -s 800x560 wall.vtk wide.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
+	',5680,11170,11230,'
 { grep -v '^map' wall.spec; printf 'profile 0 20\n'; printf 'map %s 1 0 0 1\n' 0 9; } >deviation.spec
 like 'with a profile, the title is a deviation' "$(backdrop wall.vtk deviation.spec)" "^set label 'deviation of "
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
