@@ -326,7 +326,7 @@ run env PATH="$BIN:$tmp/path" backdrop -o no%d.png hour?.vtk wall.spec
 like 'gnuplot is missing' "$status:$err" '^3:backdrop: gnuplot is not there, expected .*gnuplot-nox$|backdrop: gnuplot is not there, expected .*gnuplot-nox$'
 is 'no picture is left' "$(ls no?.png 2>/dev/null)" ''
 for bad in '-o m.png hour0.vtk hour1.vtk wall.spec' '-o m%d.pam hour0.vtk wall.spec' '-o m%d.png hour0.vtk' '-c c.png hour0.vtk wall.spec' \
-	'-o m.png -m none hour0.vtk wall.spec'; do
+	'-o m.png -m none hour0.vtk wall.spec' '-o m.png -f m.png hour0.vtk wall.spec' '-o m.png -c n.png -f n.png hour0.vtk wall.spec'; do
 	# shellcheck disable=SC2086
 	run backdrop $bad
 	is "refused: backdrop $bad" "$status:$out" 2:
