@@ -47,6 +47,17 @@ static void check_out(int opt, struct image_out *out, int pictures)
     image_name_keep(out->pattern, 0, (uint32_t)pictures - 1);
 }
 
+/* No picture replaces another one of this run. */
+static void check_names(const struct options *o)
+{
+    const char *of[] = {o->out.pattern, o->captions.pattern, o->raised.pattern};
+    for (int i = 1; i < 3; i++)
+        for (int k = 0; k < i; k++)
+            if (of[i] && of[k] && strcmp(of[i], of[k]) == 0)
+                die(ST_USAGE, "-%c %s: is also the name of -%c, expected another one", "ocf"[i],
+                    of[i], "ocf"[k]);
+}
+
 static bool is_grid(const char *path)
 {
     unsigned char first[JOB_FIRST];
@@ -78,6 +89,7 @@ static void check_files(struct options *o, int n)
     check_out('o', &o->out, o->n_grids * o->n_specs);
     check_out('c', &o->captions, o->n_grids * o->n_specs);
     check_out('f', &o->raised, o->n_grids * o->n_specs);
+    check_names(o);
 }
 
 static struct options parse(int argc, char **argv)

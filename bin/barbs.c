@@ -73,7 +73,7 @@ static void print(void *ctx, const struct layer_point *at, size_t n)
 {
     (void)ctx;
     printf("> line\n");
-    for (size_t i = 0; i < n; i++) printf("%.9g %.9g\n", at[i].x, at[i].y);
+    for (size_t i = 0; i < n; i++) printf("%.15g %.15g\n", at[i].x, at[i].y);
 }
 
 static double knots_at(const struct part *p, struct layer_point at)
@@ -96,6 +96,9 @@ static void barb(const struct part p[2], struct layer_point at, bool globe, doub
     layer_barb(&b, print, NULL);
 }
 
+/* Of barbs along a side: one at least, in its middle. */
+static int number_on(double side, double step) { return (int)fmax(1, round(side / step)); }
+
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
@@ -110,10 +113,12 @@ int main(int argc, char **argv)
     const double step = fmax(side[0], side[1]) / o.across;
     printf("%s", backdrop_head(g));
     if (o.has_z && !o.flat) printf("> height %.15g\n", o.z);
-    for (int j = 0; (j + .5) * step < side[1]; j++)
-        for (int i = 0; (i + .5) * step < side[0]; i++)
+    const int n[] = {number_on(side[0], step), number_on(side[1], step)};
+    for (int j = 0; j < n[1]; j++)
+        for (int i = 0; i < n[0]; i++)
             barb(p,
-                (struct layer_point){g->at[0][0] + (i + .5) * step, g->at[1][0] + (j + .5) * step},
+                (struct layer_point){g->at[0][0] + side[0] / 2 + (i - (n[0] - 1) / 2.) * step,
+                    g->at[1][0] + side[1] / 2 + (j - (n[1] - 1) / 2.) * step},
                 globe, LENGTH * step);
     for (int i = 0; i < 2; i++) {
         free(p[i].level);

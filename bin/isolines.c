@@ -66,7 +66,7 @@ static void print(void *ctx, const struct layer_point *at, size_t n)
 {
     const double *value = ctx;
     printf("> line %.9g\n", *value + 0.0);
-    for (size_t i = 0; i < n; i++) printf("%.9g %.9g\n", at[i].x, at[i].y);
+    for (size_t i = 0; i < n; i++) printf("%.15g %.15g\n", at[i].x, at[i].y);
 }
 
 int main(int argc, char **argv)

@@ -73,6 +73,9 @@ nrrd short little raw 'data file: sub/s.raw' 'line skip: 1' 'byte skip: -1' 'con
 	'space: left-posterior-superior' 'space units: "mm" "mm" "mm"' "$space" >a.nhdr
 mkdir sub && { echo a line; echo more; cat short.raw; } >sub/s.raw
 is 'NRRD: detached' "$(got a.nhdr):$(title)" "$numbers:pressure [Pa]; x left [mm]; y posterior [mm]; z superior [mm]"
+{ nrrd short little raw 'content: CT; y far [mm]' ''; cat short.raw; } >a.nrrd
+got -u HU a.nrrd >/dev/null
+is 'NRRD: a name that looks like parts of a title' "$(title)" 'CT, y far [mm] [HU]; x x []; y y []; z z []'
 # The axes of the file are z, -x and y.
 { nrrd short little raw 'space directions: (0,0,2) (-1,0,0) (0,0.5,0)' 'space origin: (10,20,30)' ''; cat short.raw; } >a.nrrd
 is 'NRRD: axes permuted and reversed' "$(got a.nrrd):$(axes)" '7 3 29 17 11 2 31 19 13 5 37 23:9 10:20 20.5:30 32 34'
@@ -125,6 +128,9 @@ zlib <short.raw >short.zraw
 meta MET_SHORT False True short.zraw 'Modality = MET_MOD_CT' 'TransformMatrix = 1 0 0 0 -1 0 0 0 1' >a.mhd
 is 'MetaImage: packed, detached, y reversed, CT' "$(got a.mhd):$(axes):$(title)" \
 	'7 11 13 3 2 5 29 31 37 17 19 23:10 12 14:19 20:30 30.5:values [HU]; x x []; y y []; z z []'
+cp short.raw 'short of.raw'
+meta MET_SHORT False False 'short of.raw' >a.mhd
+is 'MetaImage: a name with a blank' "$(got a.mhd)" "$numbers"
 { echo head; cat short.raw; } >short.head
 meta MET_SHORT False False short.head 'HeaderSize = -1' >a.mhd
 is 'MetaImage: the end of a file' "$(got a.mhd)" "$numbers"
@@ -299,6 +305,13 @@ is 'VTK legacy: a field' "$(got -k 1 a.legacy two)" '2 4 6 8 10 12 14 16'
 	# shellcheck disable=SC2086  # a number each
 	bytes i2 '>' $numbers; printf '\nMETADATA\nINFORMATION 0\n\nVECTORS v char\n'; printf '%036d' 0; } >b.legacy
 is 'VTK legacy: bytes' "$(got b.legacy s):$(vol2vtk -l b.legacy | wc -l)" "$numbers:2"
+{ sed -n '1,3p' a.legacy; printf '%s\n' 'DATASET STRUCTURED_POINTS' 'FIELD f 2' 'words 1 2 string' 'two%20words' '' 'TIME 1 1 int' 7; sed '1,4d' a.legacy; } >c.legacy
+is 'VTK legacy: strings are passed over' "$(got -k 1 c.legacy two)" '2 4 6 8 10 12 14 16'
+{ sed -n '1,2p' a.legacy; printf 'BINARY\nDATASET STRUCTURED_POINTS\nFIELD f 1\nw 1 2 string\n\303abc\200\100'; printf '%064d' 0
+	tail -c +$(($(grep -abo DIMENSIONS b.legacy | cut -d: -f 1) + 1)) b.legacy; } >c.legacy
+is 'also as bytes' "$(got c.legacy s)" "$numbers"
+head -c 110 c.legacy >bad.legacy
+says bad.legacy 'ends within strings'
 while IFS='|' read -r from to message; do
 	sed "s|$from|$to|" a.legacy >bad.legacy
 	says bad.legacy "$message"

@@ -163,6 +163,10 @@ titled() {
 	shift
 	backdrop "$@" titled.vtk wall.spec line | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,
 }
+sed '2s/.*/T [K]; x x [m]; y y [m]; z z [m]/; s/^40 50$/0 .02/' wall.vtk >stretched.vtk
+sed 's/^scale .*/scale 1 500 .1/; s/^from 7 20/from 7 -20/; s/^at 10 45/at 10 5/' wall.spec >stretched.spec
+like 'where y is stretched, labels of both axes are beside the map' \
+	"$(backdrop stretched.vtk stretched.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" '^0 m,4 m,8 m,.*,16 m,0.005 m,.*,0.02 m,-1000 m,'
 like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
 	'^0°,4°E,.*,42°N,.*,1000 hPa,.*,time 0 d,speed, m/s,$'
 { grep -v '^map' wall.spec; printf '%s\n' 'map 1013250 1 0 0 1' 'map 1013256 0 1 0 1'; } >precise.spec
@@ -171,6 +175,9 @@ like 'values of the legend have all their digits' "$(backdrop wall.vtk precise.s
 { grep -v '^map' wall.spec; printf 'map %s 1 0 0 1\n' 4 33.8 34.125 34.5 35 41 97; } >crowded.spec
 like 'a legend with crowded values has intervals of one length' "$(backdrop wall.vtk crowded.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
 	',4,33.8,34.1,34.5,35,41,97,'
+{ grep -v '^map' wall.spec; printf 'map %s 1 0 0 1\n' 44 100 130 1380 1410 1460 5640 5680 11170 11200 11230 11253; } >wide.spec
+like 'long values have room between them' "$(backdrop -s 800x560 wall.vtk wide.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
+	',5680,11170,11230,'
 { grep -v '^map' wall.spec; printf 'profile 0 20\n'; printf 'map %s 1 0 0 1\n' 0 9; } >deviation.spec
 like 'with a profile, the title is a deviation' "$(backdrop wall.vtk deviation.spec)" "^set label 'deviation of "
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
@@ -319,7 +326,7 @@ run env PATH="$BIN:$tmp/path" backdrop -o no%d.png hour?.vtk wall.spec
 like 'gnuplot is missing' "$status:$err" '^3:backdrop: gnuplot is not there, expected .*gnuplot-nox$|backdrop: gnuplot is not there, expected .*gnuplot-nox$'
 is 'no picture is left' "$(ls no?.png 2>/dev/null)" ''
 for bad in '-o m.png hour0.vtk hour1.vtk wall.spec' '-o m%d.pam hour0.vtk wall.spec' '-o m%d.png hour0.vtk' '-c c.png hour0.vtk wall.spec' \
-	'-o m.png -m none hour0.vtk wall.spec'; do
+	'-o m.png -m none hour0.vtk wall.spec' '-o m.png -f m.png hour0.vtk wall.spec' '-o m.png -c n.png -f n.png hour0.vtk wall.spec'; do
 	# shellcheck disable=SC2086
 	run backdrop $bad
 	is "refused: backdrop $bad" "$status:$out" 2:

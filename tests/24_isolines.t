@@ -56,6 +56,11 @@ is 'on the globe, that is the first line' "$(isolines globe.vtk | head -n 1)" '>
 sed '2s/.*/p [hPa]; x x [m]; y y [m]; z up [m]; proj +proj=merc +R=6371229/' globe.vtk >plane.vtk
 is 'on a plane whose projection is known, that is said' "$(isolines plane.vtk | head -n 1)" '> plane'
 like 'on another one the first line is that of an isoline' "$(isolines cone.vtk | head -n 1)" '^> line '
+sed 's/^0 10$/-0.99500000476837158 -0.10000000149011612/' cone.vtk >digits.vtk
+is 'a height in the digits of the message is one of the grid' "$(for z in -.995 -0.1; do isolines -z $z -v 5 digits.vtk >lines && sed -n 1p lines; done)" \
+	"$(printf '> height -0.995\n> height -0.1')"
+awk '/^X_/ { x = 1 } x == 2 && /^[0-9]/ { $0 = sprintf("%.1f", 1.7e9 + $1 / 10) } /^X_/ { x = 2 } /^Y_/ { x = 0 } { print }' cone.vtk | sed 's/^X_COORDINATES 41 float/X_COORDINATES 41 double/' >seconds.vtk
+is 'coordinates have their digits' "$(isolines -v 5.5 seconds.vtk | sed -n 's/^1\(7000000[0-9.]*\) 20$/\1/p' | sort -u | tr '\n' ,)" 700000001.45,700000002.55,
 for bad in '' '-z 11 cone.vtk' '-e 0 cone.vtk' '-e 1 -v 1 cone.vtk' '-e 1e-9 cone.vtk' '-v x cone.vtk' 'none.vtk' '-z -1 cone.vtk' 'cone.vtk cone.vtk'; do
 	# shellcheck disable=SC2086
 	run isolines $bad
@@ -148,6 +153,9 @@ if ldd "$BIN/barbs" | grep -q udunits; then
 		'> line,0.500 0.500,-0.300 0.500,-0.300 0.500,-0.360 0.836,-0.180 0.500,-0.060 0.500,-0.180 0.836,-0.060 0.500,0.060 0.500,0.000 0.668,0.060 0.500,'
 	is 'units are converted, and 5 knots alone are not at the end' "$(barb 0 2.572 'm s-1' '')" '> line,0.500 0.500,0.500 -0.300,0.500 -0.180,0.332 -0.240,0.500 -0.180,'
 	is 'below 2.5 knots: a circle' "$(barb 1 1 knots '' | tr , '\n' | awk 'NR > 1 && NF { printf "%.3f\n", sqrt(($1 - .5) ^ 2 + ($2 - .5) ^ 2) }' | uniq)" 0.096
+	grid u 'U [knots]' 11 3 's = 10'
+	cp u.vtk v.vtk
+	is 'a narrow grid has a row of barbs in its middle' "$(barbs -n 2 u.vtk v.vtk | sed -n '/^>/{n;p;}' | tr '\n' ,)" '2.5 1,7.5 1,'
 	globe='; x lon [degrees_east]; y lat [degrees_north]; z up [m]'
 	is 'south of the equator feathers are on the other side; a degree of longitude is shorter' "$(for y in 59.5 -60.5; do
 		for part in u v; do y0=$y grid $part "$part [knots]$globe" 2 2 's = 10'; done
@@ -176,6 +184,9 @@ like 'its length' "$(gridspec section.vtk)" '^# x: 0 to 4604[.]5[0-9]* km'
 like 'gridspec: from the side, as a slice' "$(gridspec section.vtk | grep '^slice' | tr '\n' ,)" '^slice y [0-9.]* 1,$'
 section -l 0,1,5,1 -n 6 holed.vtk >section.vtk
 is 'a neighbour that does not count may be missing' "$(tail -c 97 section.vtk | od -An -tf4 --endian=big -w24 -N 24 | tr -s ' ')" ' 1 1 1 1 1 1'
+sed 's/^40$/39.9949989/' cone.vtk >edge.vtk
+section -l 1,1,39.995,1 -n 2 edge.vtk >section.vtk
+like 'a place in six digits of the edge is in the grid' "$(gridspec section.vtk)" '^# x: 0 to 38[.]995'
 for bad in 'cone.vtk' '-l 1,2,3 cone.vtk' '-l 1,2,1,2 cone.vtk' '-l 1,2,3,99 cone.vtk' '-l 1,2,3,4 -n 1 cone.vtk' '-l 1,2,3,4 none.vtk'; do
 	# shellcheck disable=SC2086
 	run section $bad

@@ -166,6 +166,13 @@ is 'its comments have no height' "$(sed -n '1,/^from/p' rain.spec | paste -sd '|
 ok 'balance: one level alone' balance adaptive -j 1 -s 120x80 -o rain.pam rain.vtk
 vcworker -i rain.vtk rain.spec >/dev/null && partition 120x80 | vcworker -t rain.vtk rain.spec | gather -o rain.pam
 like 'its picture fills the frame; the least value has no colour' "$(painted rain.pam 120 80)" '^2[6-9] 9[3-6] [0-9]+ [0-9]+$'
+sed 's/^5$/-0.49402499198913574/' rain.vtk >deep.vtk
+gridspec -s 90x60 deep.vtk >deep.spec
+partition 90x60 | vcworker -t deep.vtk deep.spec | gather -o deep.pam
+is 'also at a height of many digits' "$(painted deep.pam 90 60 | wc -w)" 4
+{ grep -v '^slice' deep.spec; echo 'slice z -0.494025 1'; } >six.spec
+partition 90x60 | vcworker -t deep.vtk six.spec | gather -o six.pam
+is 'a slice in six digits of the end of the grid is in the grid' "$(painted six.pam 90 60 | wc -w)" 4
 flat both 's = i - 4'
 gridspec both.vtk >both.spec
 like 'both signs: around 0' "$(paste -sd ' ' both.spec)" 'palette vik .* slice z 5 0.65$'

@@ -115,7 +115,7 @@ struct meetings {
     size_t n;
     int axis; /* of the curve */
     double v;
-    double corner[2], pad;
+    double corner[2], pad[2];
     int order[2][4]; /* of the sides, for meridians and parallels: the next one if one has none */
 };
 
@@ -124,7 +124,7 @@ static bool is_met(const struct meetings *m, int side, struct outline_point p)
 {
     for (const struct meeting *o = m->of; o < m->of + m->n; o++)
         if (o->axis == m->axis && o->v == m->v && o->side == side &&
-            hypot(o->at[0] - p.x, o->at[1] - p.y) < m->pad / 100)
+            hypot(o->at[0] - p.x, o->at[1] - p.y) < m->pad[0] / 100)
             return true;
     return false;
 }
@@ -166,7 +166,7 @@ static bool is_hidden(const struct drawing *s, const double at[2])
 
 static bool is_at_heights(const struct meetings *m, const double at[2])
 {
-    return hypot(at[0] - m->corner[0], at[1] - m->corner[1]) < 1.5 * m->pad;
+    return hypot((at[0] - m->corner[0]) / m->pad[0], (at[1] - m->corner[1]) / m->pad[1]) < 1.5;
 }
 
 /* The text extends away from the edge. */
@@ -176,7 +176,7 @@ static enum label place(const struct meetings *m, const struct meeting *at, bool
     const int a = at->side / 2;
     double beside[2] = {at->at[0], at->at[1]}, edge[2], xy[2];
     char text[64];
-    beside[a] += at->side % 2 ? m->pad : -m->pad;
+    beside[a] += at->side % 2 ? m->pad[a] : -m->pad[a];
     if (is_at_heights(m, at->at) || (behind && is_hidden(s, beside)) ||
         !backdrop_project(s, at->at[0], at->at[1], s->lo[2], edge) ||
         !backdrop_project(s, beside[0], beside[1], s->lo[2], xy))
@@ -222,7 +222,7 @@ void backdrop_label_curves(const struct drawing *s, bool low, const double corne
     struct mesh mesh;
     struct meetings m = {.s = s,
         .corner = {corner[0], corner[1]},
-        .pad = .02 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]),
+        .pad = {.02 * drawing_longest(s, 0), .02 * drawing_longest(s, 1)},
         .order = {{y, x, 1 - x, 5 - y}, {x, y, 1 - x, 5 - y}}};
     if (!mesh_of(s, &mesh)) return;
     for (m.axis = 0; m.axis < 2; m.axis++)

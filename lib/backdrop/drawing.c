@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#define GAP .2         /* em: beside numbers of the legend, which stand in a row */
 #define SCALE_LEAST .4 /* of the font, in small pictures */
 
 /* As in backdrop_project, with all that does not depend on the point. */
@@ -53,6 +54,14 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
     xy[0] = (s->w + s->h * v3_dot(d, c->right) / half / far) / 2;
     xy[1] = (s->h + s->h * v3_dot(d, c->up) / half / far) / 2;
     return true;
+}
+
+double drawing_longest(const struct drawing *s, int axis)
+{
+    const double *scale = s->b->spec->scale;
+    const int other = 1 - axis;
+    return fmax(s->hi[axis] - s->lo[axis],
+        (s->hi[other] - s->lo[other]) * fabs(scale[other] / scale[axis]));
 }
 
 void drawing_point(const struct drawing *s, double x, double y, double z)
@@ -108,8 +117,8 @@ enum label drawing_reserve(const struct drawing *s, const struct label_box *box)
 enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align)
 {
     double wide = backdrop_text_width(s, text), x0 = xy[0] - wide * (align + 1) / 2;
-    double half = BACKDROP_TEXT_HIGH * s->em / 2;
-    struct label_box box = {x0, x0 + wide, xy[1] - half, xy[1] + half};
+    double half = BACKDROP_TEXT_HIGH * s->em / 2, gap = s->labels->in_strip ? GAP * s->em : 0;
+    struct label_box box = {x0 - gap, x0 + wide + gap, xy[1] - half, xy[1] + half};
     enum label result = drawing_reserve(s, &box);
     if (result == LABEL_PLACED) mark_label(s->list, text, xy, align, 0);
     return result;

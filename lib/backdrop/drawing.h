@@ -79,6 +79,8 @@ static inline struct backdrop_at drawing_on_map(const struct drawing *s, double 
     return (struct backdrop_at){(s->w + (m[0][0] * x + m[0][1] * y + m[0][2]) / far) / 2,
         (s->h + (m[1][0] * x + m[1][1] * y + m[1][2]) / far) / 2};
 }
+/* The longer side of the map, in the unit of axis 0 or 1: the specification may stretch one. */
+double drawing_longest(const struct drawing *s, int axis);
 /* True if this side of the box (0 low, 1 high) is between the eye and the interior. */
 bool drawing_in_front(const struct drawing *s, int axis, int side);
 /* Adds a point to a line. Breaks the line if the point is invisible. */

@@ -44,7 +44,9 @@ static const char *take_text(struct backdrop_lines *l, const char *s, bool requi
 static const char *take_height(struct backdrop_lines *l, const char *s)
 {
     double z;
-    if (!parse_real(s, l->z[0], l->z[1], &z)) return l->no_height;
+    if (!parse_real(s, -GRID_MAX, GRID_MAX, &z)) return l->no_height;
+    z = grid_within(z, l->z[0], l->z[1]);
+    if (!(z >= l->z[0] && z <= l->z[1])) return l->no_height;
     for (l->level = 1; l->level <= l->n_heights && l->height[l->level - 1] != z;) l->level++;
     if (l->level > LINES_HEIGHTS) return "expected at most 100 heights";
     if (l->level > l->n_heights) l->height[l->n_heights++] = z;

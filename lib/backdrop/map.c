@@ -39,7 +39,7 @@ static void place_text(const struct drawing *s, char *out, size_t n, int axis, d
 
 static struct ticks graticule_of(const struct drawing *s, int axis)
 {
-    double wide = fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
+    double wide = drawing_longest(s, axis);
     double step = s->b->flat ? backdrop_step(wide, 12) : backdrop_degree_step(wide);
     return backdrop_ticks(s->lo[axis], s->hi[axis], step);
 }
@@ -203,7 +203,7 @@ static void find_corner(const struct drawing *s, double corner[2])
 /* Longitudes are below the map as seen from the eye, except at the corner of the heights. */
 void backdrop_labels(const struct drawing *s)
 {
-    const double pad = .025 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
+    const double pad = .025 * drawing_longest(s, 1);
     double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
     bool low = (s->b->spec->from[1] <= middle) == (s->b->spec->scale[1] > 0); /* = : from above */
     struct ticks x = graticule_of(s, 0), y = graticule_of(s, 1), z = heights_of(s);
@@ -212,7 +212,7 @@ void backdrop_labels(const struct drawing *s)
     if (s->plane) backdrop_label_curves(s, low, b.corner);
     else {
         backdrop_label_ticks(s, &x, label_longitude, &b);
-        b.pad = pad;
+        b.pad = .025 * drawing_longest(s, 0);
         backdrop_label_ticks(s, &y, label_latitude, &b);
     }
     b.bare = !heights_fit(s, &b, &z);

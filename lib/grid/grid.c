@@ -34,6 +34,16 @@ void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT])
             why, GRID_FAULT, "%.9g after %.9g, expected all to ascend or all to descend", a, b);
 }
 
+#define DIGITS 1e-5 /* of a number: what six digits of it leave out */
+#define SLIGHT 1e-4 /* of the axis: more is another place */
+
+double grid_within(double v, double lo, double hi)
+{
+    const double most = SLIGHT * (hi - lo);
+    if (v < lo && lo - v <= fmin(DIGITS * fabs(lo), most)) return lo;
+    return v > hi && v - hi <= fmin(DIGITS * fabs(hi), most) ? hi : v;
+}
+
 /* Finds the cell of p on an axis and the position in it, 0 .. 1. False outside. */
 static bool find_cell(const double *at, uint32_t n, double p, uint32_t *cell, double *t)
 {

@@ -93,6 +93,11 @@ uint32_t grid_axis_fault(const double *at, uint32_t n);
 #define GRID_FAULT 128
 void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
 /*
+ * v, a place on an axis from lo to hi; or the end of it, if v is beyond that by no more than the
+ * rounding to six digits, in which messages and people write coordinates.
+ */
+double grid_within(double v, double lo, double hi);
+/*
  * The trilinear field at p, in the grid's coordinates. A point on a face belongs to the upper cell.
  * NaN outside the grid, and if a corner of the cell is missing.
  */

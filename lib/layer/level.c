@@ -8,6 +8,7 @@ bool layer_level(const struct grid *g, double z, float **value, char err[ERR_BYT
     const double *at = g->at[2];
     const size_t n = grid_node(g, 0, 0, 1);
     uint32_t k = 0;
+    z = grid_within(z, at[0], at[g->n[2] - 1]);
     if (!(z >= at[0] && z <= at[g->n[2] - 1]))
         return err_set(err, "%g: expected a height of the grid, from %g to %g", z, at[0],
             at[g->n[2] - 1]);

@@ -48,10 +48,13 @@ static struct layer_point between(struct layer_point a, struct layer_point b, bo
 /* Moves a longitude by whole circles to the first one that is not west of the grid. */
 static void turn(const struct grid *g, bool globe, struct layer_point *p)
 {
-    const double slack = 1e-9;
-    if (globe) p->x += 360 * ceil((g->at[0][0] - slack - p->x) / 360);
+    const double slack = 1e-9, west = g->at[0][0];
+    const double x = grid_within(p->x, west, g->at[0][g->n[0] - 1]);
+    if (globe && !(x >= west && x <= g->at[0][g->n[0] - 1]))
+        p->x += 360 * ceil((west - slack - p->x) / 360);
     for (int a = 0; a < 2; a++) { /* rounding leaves no end of a grid */
         double *v = a ? &p->y : &p->x, lo = g->at[a][0], hi = g->at[a][g->n[a] - 1];
+        *v = grid_within(*v, lo, hi);
         if (fabs(*v - lo) < slack) *v = lo;
         if (fabs(*v - hi) < slack) *v = hi;
     }

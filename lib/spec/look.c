@@ -239,17 +239,17 @@ static double low_level(const struct grid *g)
 static void put_slices(struct buf *out, const struct grid *g)
 {
     if (g->flat) {
-        buf_printf(out, "slice z %.9g %g\n", g->at[2][0], FLAT_OPACITY);
+        buf_printf(out, "slice z %.15g %g\n", g->at[2][0], FLAT_OPACITY);
         return;
     }
     const double *x = g->at[0], *y = g->at[1];
     if (spec_is_section(g)) {
-        buf_printf(out, "slice y %.9g 1\n", (y[0] + y[1]) / 2);
+        buf_printf(out, "slice y %.15g 1\n", (y[0] + y[1]) / 2);
         return;
     }
-    buf_printf(out, "slice x %.9g 1\n", (x[0] + x[g->n[0] - 1]) / 2);
-    buf_printf(out, "slice y %.9g 1\n", y[0] + NORTH * (y[g->n[1] - 1] - y[0]));
-    buf_printf(out, "slice z %.9g 1\n", low_level(g));
+    buf_printf(out, "slice x %.15g 1\n", (x[0] + x[g->n[0] - 1]) / 2);
+    buf_printf(out, "slice y %.15g 1\n", y[0] + NORTH * (y[g->n[1] - 1] - y[0]));
+    buf_printf(out, "slice z %.15g 1\n", low_level(g));
 }
 
 /* Surfaces at quantiles, which are rounded to digits that keep them apart. */
@@ -337,7 +337,7 @@ void spec_put_ground(const struct grid *g, bool terrain, struct buf *out)
     if (v.ground) drop_least(&m);
     if (!v.there || !m.n) return;
     spec_palette("magma", strlen("magma"), palette);
-    buf_printf(out, "# the flat field, by its values\nflat %.9g %g\n", g->at[2][0], FLAT_OPACITY);
+    buf_printf(out, "# the flat field, by its values\nflat %.15g %g\n", g->at[2][0], FLAT_OPACITY);
     for (int i = 0; i < m.n; i++) {
         const struct band *b = &m.band[i];
         spec_palette_at((const double(*)[3])palette, 1 - b->place[0], rgb);

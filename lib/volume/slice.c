@@ -36,7 +36,9 @@ void slice_init(struct volume *v)
     for (int a = 0; a < 3; a++) v->sliced[a] = xcalloc(v->cells[a], sizeof *v->sliced[a]);
     for (size_t i = 0; i < v->n_slices; i++) {
         const struct spec_slice *of = &s->slice[i];
-        v->slice[i] = (struct slice){of->axis, of->at * s->scale[of->axis], of->opacity};
+        const double *whole = v->whole[of->axis];
+        const double at = grid_within(of->at * s->scale[of->axis], whole[0], whole[1]);
+        v->slice[i] = (struct slice){of->axis, at, of->opacity};
         mark_layers(v, &v->slice[i]);
     }
 }

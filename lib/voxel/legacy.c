@@ -144,6 +144,25 @@ static void skip_metadata(struct reader *r)
     r->v->line = 0;
 }
 
+/* Passes over strings: a line each; or bytes after their number, whose first two bits say how many
+ * bytes it has. The line of their type ends before. */
+static bool skip_strings(struct reader *r, uint64_t n)
+{
+    const struct voxel *v = r->v;
+    for (uint64_t i = 0; i <= n; i++) {
+        const unsigned char *p = v->bytes + r->at, *nl = NULL;
+        const size_t left = v->n_bytes - r->at;
+        uint64_t length = left && i && r->binary ? *p & 0x3f : 0;
+        const size_t head = left && i && r->binary ? (size_t)8 >> (*p >> 6) : 0;
+        for (size_t k = 1; k < head && k < left; k++) length = length << 8 | p[k];
+        if (!head && left && (nl = memchr(p, '\n', left))) length = (size_t)(nl + 1 - p);
+        if (!(head || nl) || head > left || length > left - head)
+            return voxel_fail(r->v, "the file ends within strings, expected all");
+        r->at += head + (size_t)length;
+    }
+    return true;
+}
+
 /* ---- geometry -------------------------------------------------------------------------------- */
 
 static bool read_dimensions(struct reader *r)
@@ -205,8 +224,14 @@ static bool read_field(struct reader *r)
         }
         name_of(r, name);
         if (!count(r, "a number of components", VOXEL_NODES_MAX, &components) ||
-            !count(r, "a number of tuples", INT64_MAX, &tuples) || !type(r, &t) ||
-            !add(r, name, t, components, tuples))
+            !count(r, "a number of tuples", INT64_MAX, &tuples))
+            return false;
+        const size_t before = r->at;
+        next(r);
+        const bool strings = is(r, "string");
+        if (!strings) r->at = before;
+        if (strings ? !skip_strings(r, components * tuples)
+                    : !type(r, &t) || !add(r, name, t, components, tuples))
             return false;
         arrays--;
     }

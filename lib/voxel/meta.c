@@ -104,7 +104,7 @@ static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_a
 {
     const char *file = h->text[DATA];
     double skip = 0;
-    if (strncasecmp(file, "LIST", 4) == 0 || strchr(file, '%') || strchr(file, ' '))
+    if (strncasecmp(file, "LIST", 4) == 0 || strchr(file, '%'))
         return voxel_fail(v, "ElementDataFile: several files, expected one");
     const bool local = strcasecmp(file, "LOCAL") == 0;
     if (!local && !voxel_beside(v, file)) return false;

@@ -161,11 +161,22 @@ bool voxel_grid(const struct voxel *volume, size_t array, uint64_t component, bo
     return good;
 }
 
+/* Names and units come from files, and "; " is between the parts of a title. */
+static void put_text(struct buf *title, const char *text)
+{
+    for (; *text; text++) buf_append(title, *text == ';' ? "," : text, 1);
+}
+
 void voxel_title(
     const struct voxel *v, const struct grid *g, const char *unit, bool own, struct buf *title)
 {
-    buf_printf(title, "%s [%s]", g->name, unit ? unit : v->unit);
-    for (int axis = 0; axis < 3; axis++)
-        buf_printf(title, "; %c %s [%s]", "xyz"[axis],
-            own ? (const char *[]){"x", "y", "z"}[axis] : v->axis[axis], v->length);
+    put_text(title, g->name);
+    buf_printf(title, " [");
+    put_text(title, unit ? unit : v->unit);
+    for (int axis = 0; axis < 3; axis++) {
+        buf_printf(title, "]; %c %s [", "xyz"[axis],
+            own ? (const char *[]){"x", "y", "z"}[axis] : v->axis[axis]);
+        put_text(title, v->length);
+    }
+    buf_printf(title, "]");
 }
