@@ -147,7 +147,7 @@ ok 'the controls were found' [ "$(grep -c . page)" -gt 20 ]
 
 # ---- a window ------------------------------------------------------------------------------------------------
 there Xvfb xdotool ffmpeg || { skip 'a window' "$missing is not there"; finish; }
-Xvfb -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>display 2>/dev/null &
+Xvfb -noreset -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>display 2>/dev/null &
 xvfb=$!
 trap 'kill $xvfb; rm -rf "$tmp"' EXIT
 await 10 [ -s display ]
