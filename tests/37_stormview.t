@@ -192,7 +192,9 @@ keys Home
 on 160 120 && xdotool mousedown 3 && on 200 130 && xdotool mouseup 3
 saved_as '^at ([02-9]|1[013-9])[.]' 'right drag moves'
 keys Home
+kill -STOP "$(program stormview)" # it sees the drag when Shift is up again
 xdotool keydown shift && on 160 120 && xdotool mousedown 1 && on 200 130 && xdotool mouseup 1 keyup shift
+kill -CONT "$(program stormview)"
 saved_as '^at ([02-9]|1[013-9])[.]' 'Shift drag moves'
 keys Home
 on 160 120 && xdotool click 4
