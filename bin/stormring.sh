@@ -47,8 +47,12 @@ unfit() {
 }
 # directory: makes a directory for temporary files and prints its name, an absolute one
 directory() {
-	made=$(mktemp -d 2>/dev/null) && (CDPATH='' cd -- "$made" && pwd) && return
-	say "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
+	case ${TMPDIR-} in
+	*'
+'*) ;; # a name with a line end would be taken for the lines of a hosts file
+	*) made=$(mktemp -d 2>/dev/null) && (CDPATH='' cd -- "$made" && pwd) && return ;;
+	esac
+	say "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory, no line end in its name" >&2
 	exit 3
 }
 # apart OPTION FILE INPUT ...: refuses the file of an option if it is one of these inputs, by any name

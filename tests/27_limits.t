@@ -93,8 +93,11 @@ echo x >gears.tsv
 for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol master' 'chart gears.tsv' "'$root/tests/demo'"; do
 	run env TMPDIR="$tmp/none" sh -c "$program"
 	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
-		"^3:[a-z]+(-calibrate)?: $tmp/none: cannot make a directory there, expected TMPDIR to name a writable directory$"
+		"^3:[a-z]+(-calibrate)?: $tmp/none: cannot make a directory there, expected TMPDIR to name a writable directory(, no line end in its name)?$"
 done
+mkdir "$(printf 'a\nb')"
+run env TMPDIR="$(printf 'a\nb')" balance adaptive -v 1 -S :,: -s 8x8 -o o.png gears.nff
+like 'a line end in TMPDIR, whose hosts file would be lines: exit 3, and a line' "$status:$err" '^3:balance: a[?]b: cannot make'
 mkdir ./-t
 run env TMPDIR=-t balance interleaved -j 1 -s 8x8 -o o.png gears.nff
 is 'a relative TMPDIR that begins with -: exit 0, and nothing remains' "$status:$err:$(ls ./-t)" 0::

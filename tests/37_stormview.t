@@ -137,6 +137,11 @@ printf '%s\n' '#!/bin/sh' 'if mkdir once 2>/dev/null; then vcworker | dd bs=1 co
 chmod +x dies
 run patiently timeout 1200 stormview -e rest -t times a.vtk look.spec deal -q auto -e fan -j 2 ./dies
 is 'a worker that dies: the picture is whole' "$status $(value failed_pixels)" '0 0'
+# A worker that ends whenever it is given a certain task.
+printf '%s\n' '#!/bin/sh' 'while IFS= read -r line; do case $line in "task "?*" 3 "*) kill -9 $$ && exit ;; esac; printf "%s\n" "$line"; done | vcworker' >mortal
+chmod +x mortal
+run patiently in_time stormview -e rest -t times -s 32x24 a.vtk look.spec deal -q auto -e fan -j 2 ./mortal
+like 'a task that costs each worker: it is given up, and the others come' "$status $(value failed_pixels)" '^1 ([1-9][0-9]|[1-4][0-9]{2})$'
 
 for bytes in 20 300 5000; do
 	run timeout 1200 stormview -e rest a.vtk look.spec sh -c "deal fan -j 1 vcworker | dd bs=1 count=$bytes 2>/dev/null"
@@ -151,7 +156,7 @@ ok 'the controls were found' [ "$(grep -c . page)" -gt 20 ]
 
 # ---- a window ------------------------------------------------------------------------------------------------
 there Xvfb xdotool ffmpeg || { skip 'a window' "$missing is not there"; finish; }
-Xvfb -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>display 2>/dev/null &
+Xvfb -noreset -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>display 2>/dev/null &
 xvfb=$!
 trap 'kill $xvfb; rm -rf "$tmp"' EXIT
 await 10 [ -s display ]
@@ -196,7 +201,9 @@ keys Home
 on 160 120 && xdotool mousedown 3 && on 200 130 && xdotool mouseup 3
 saved_as '^at ([02-9]|1[013-9])[.]' 'right drag moves'
 keys Home
+kill -STOP "$(program stormview)" # it sees the drag when Shift is up again
 xdotool keydown shift && on 160 120 && xdotool mousedown 1 && on 200 130 && xdotool mouseup 1 keyup shift
+kill -CONT "$(program stormview)"
 saved_as '^at ([02-9]|1[013-9])[.]' 'Shift drag moves'
 keys Home
 on 160 120 && xdotool click 4

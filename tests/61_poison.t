@@ -20,6 +20,13 @@ is 'the log says so' "$(grep -a -c '^fail 0 .* why=task said=' log)" 1
 status=0
 partition -r log -u tile:40x30 200x150 | { deal fan -j 2 cropworker sh paint '{x}' '{y}' '{w}' '{h}' 2>said; echo $? >status; } | gather -r log -o a.png 2>/dev/null || status=$?
 is 'a rerun tries only what is missing' "$status $(cat status) $(grep -c '^deal: frame 0: 1x1+199+149: given up' said)" '1 1 1'
+# In a tree the input of the inner policy stays open until the outer one has all pixels.
+for tree in 'deal fan' 'ringctl fan'; do
+	node=${tree%deal*} && node=${node:+ringctl -n}
+	# shellcheck disable=SC2086
+	partition -u tile:40x30 200x150 | { deal -e fan -j 1 $tree -j 2 $node cropworker sh paint '{x}' '{y}' '{w}' '{h}' 2>said; echo $? >status; } | gather -o a.png 2>said.gather
+	is "a bad pixel in a tree of $tree: no slot is silent" "$(cat status) $(grep -c silent said) $(grep -o 'frame 0.* missing' said.gather)" "1 0 frame 0: 1 of 30000 pixels missing"
+done
 
 # Workers that die, on this machine and on another.
 printf 'a slots=2 via="sh -c %%c"\nb slots=2 via="sh -c %%c"\n' >hosts

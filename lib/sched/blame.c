@@ -145,6 +145,18 @@ void blame_tried(struct blame *b, const struct task *t)
     f->tried = f->lost + 1;
 }
 
+bool blame_due(struct blame *b, bool quiet, bool ended, int64_t now)
+{
+    if (!quiet) b->due_us = 0;
+    else if (!b->due_us) b->due_us = now + BLAME_PAUSE_US;
+    return quiet && (ended || now >= b->due_us);
+}
+
+int64_t blame_wake_us(const struct blame *b, int64_t now)
+{
+    return b->due_us > now ? b->due_us : INT64_MAX;
+}
+
 static int32_t lost_of(const struct blame *b, int32_t k) { return k < b->n_lost ? b->lost[k] : 0; }
 
 int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,

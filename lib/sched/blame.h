@@ -17,6 +17,7 @@
 #include "sched/slot_set.h"
 
 #define BLAME_SLOTS 4 /* slots that are remembered for each task */
+#define BLAME_PAUSE_US 300000 /* without work, after which an open input counts as waiting for us */
 
 /* Payload of a frame. */
 struct blame_frame {
@@ -33,6 +34,7 @@ struct blame {
     struct task_table tasks; /* that were lost, and are not committed */
     int32_t *lost;           /* of each slot: how often it was, while it computed a task */
     int32_t n_lost;          /* entries */
+    int64_t due_us;          /* when what is aside is due, if no work comes; 0: it is not known */
 };
 void blame_init(struct blame *b, int32_t most);
 void blame_free(struct blame *b);
@@ -79,6 +81,11 @@ enum blame_step {
 enum blame_step blame_step(const struct blame *b, const struct task_table *ledger,
     const struct task_list *aside, int32_t i, int32_t alone, bool ended);
 void blame_tried(struct blame *b, const struct task *t);
+/* Is it time for what is aside? quiet: nothing else is to be done. ended: nothing more comes before
+ * that. Otherwise the sender may wait for these tasks, as a policy around this one does. */
+bool blame_due(struct blame *b, bool quiet, bool ended, int64_t now);
+/* When to ask again; INT64_MAX: after the next event. */
+int64_t blame_wake_us(const struct blame *b, int64_t now);
 /* The slot to try the task: of these, one that was not lost over it, and then the one lost least.
  * may: NULL, or those that it is true of. -1: none. */
 int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,

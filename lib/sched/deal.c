@@ -268,8 +268,8 @@ static void deal_step(
     }
     hand_out(d, now, out);
     deal_let_go(d, out); /* before copies are given of what it asks for */
-    if (d->aside.count) deal_aside_try(d, now, out);
-    d->late_us = INT64_MAX;
+    deal_aside_try(d, now, out);
+    d->late_us = blame_wake_us(&d->blame, now);
     hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
         ask_flush(d, out);

@@ -1,8 +1,8 @@
 /*
  * deal: tasks that cost slots (blame.h). A suspect goes to the end of the pool, and a slot that was
  * lost over it does not get it again while others can. A task or a frame that has cost too many is
- * put aside. When the input has ended, or waits, and no slot computes anything else, what was put
- * aside is tried once more, or given up: blame_step.
+ * put aside. When no slot computes anything else, and the input has ended, waits or brings nothing,
+ * what was put aside is tried once more, or given up: blame_due, blame_step.
  */
 #include "sched/deal_int.h"
 
@@ -137,7 +137,8 @@ static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actio
 
 void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
 {
-    if ((!d->ended && !d->flush) || !is_quiet(d)) return;
+    bool quiet = d->aside.count && is_quiet(d);
+    if (!blame_due(&d->blame, quiet, d->ended || d->flush, now)) return;
     for (int32_t n = d->aside.count; n > 0 && d->aside.count; n--) {
         int32_t i = d->aside.head;
         list_remove(&d->ledger, &d->aside, i);

@@ -246,7 +246,7 @@ static void ring_step(
         break;
     case SCHED_WAKE: break;
     }
-    if (h->aside.count) hub_aside_try(h, out);
+    hub_aside_try(h, out);
     hub_match(h, out);
     hub_hung(h, out);
     hub_let_go(h, out);
@@ -277,8 +277,9 @@ static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint3
 static int64_t ring_wake_us(const void *state)
 {
     const struct hub *h = state;
-    int64_t late_us = hub_late_us(h);
+    int64_t late_us = hub_late_us(h), due_us = blame_wake_us(&h->blame, h->now_us);
     if (h->closed) return INT64_MAX;
+    if (due_us < late_us) late_us = due_us;
     if (h->end_us < late_us) late_us = h->end_us;
     return late_us < h->hung_us ? late_us : h->hung_us;
 }

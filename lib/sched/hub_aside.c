@@ -117,7 +117,8 @@ static void try_entry(struct hub *h, int32_t i, struct sched_actions *out)
 
 void hub_aside_try(struct hub *h, struct sched_actions *out)
 {
-    if ((!h->ended && !h->flush) || !is_quiet(h)) return;
+    bool quiet = h->aside.count && is_quiet(h);
+    if (!blame_due(&h->blame, quiet, h->ended || h->flush, h->now_us)) return;
     for (int32_t n = h->aside.count; n > 0 && h->aside.count; n--) {
         int32_t i = h->aside.head;
         list_remove(&h->ledger, &h->aside, i);

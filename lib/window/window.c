@@ -10,7 +10,8 @@ struct window {
     SDL_Window *window;
     SDL_Renderer *renderer;
     SDL_Texture *texture;
-    int w, h; /* of the texture */
+    int w, h;   /* of the texture */
+    bool shift; /* is it down? By the keys before this event: SDL_GetModState knows later ones. */
 };
 
 static struct window *failed(struct window *w, char err[ERR_BYTES])
@@ -104,10 +105,10 @@ static bool take_text(const char *text, struct window_event *e)
     return e->key >= ' ' && e->key < 0x7f;
 }
 
-static bool take_motion(const SDL_MouseMotionEvent *m, struct window_event *e)
+static bool take_motion(const SDL_MouseMotionEvent *m, bool shift, struct window_event *e)
 {
     const bool left = m->state & SDL_BUTTON_LMASK, right = m->state & SDL_BUTTON_RMASK;
-    e->what = right || SDL_GetModState() & KMOD_SHIFT ? WINDOW_MOVE : WINDOW_DRAG;
+    e->what = right || shift ? WINDOW_MOVE : WINDOW_DRAG;
     e->x = m->x, e->y = m->y;
     e->dx = m->xrel, e->dy = m->yrel;
     return left || right;
@@ -126,14 +127,15 @@ static bool take_window(const SDL_WindowEvent *w, struct window_event *e)
     }
 }
 
-static bool take(const SDL_Event *s, struct window_event *e)
+static bool take(struct window *win, const SDL_Event *s, struct window_event *e)
 {
     *e = (struct window_event){.what = WINDOW_CLOSE};
     switch (s->type) {
     case SDL_QUIT: return true;
-    case SDL_KEYDOWN: return take_key(&s->key, e);
+    case SDL_KEYDOWN: win->shift = s->key.keysym.mod & KMOD_SHIFT; return take_key(&s->key, e);
+    case SDL_KEYUP: win->shift = s->key.keysym.mod & KMOD_SHIFT; return false;
     case SDL_TEXTINPUT: return take_text(s->text.text, e);
-    case SDL_MOUSEMOTION: return take_motion(&s->motion, e);
+    case SDL_MOUSEMOTION: return take_motion(&s->motion, win->shift, e);
     case SDL_MOUSEWHEEL:
         e->what = WINDOW_WHEEL;
         e->dy = s->wheel.y;
@@ -149,9 +151,8 @@ static bool take(const SDL_Event *s, struct window_event *e)
 
 bool window_next(struct window *w, struct window_event *e)
 {
-    (void)w;
     for (SDL_Event s; SDL_PollEvent(&s);)
-        if (take(&s, e)) return true;
+        if (take(w, &s, e)) return true;
     return false;
 }
 
