@@ -43,9 +43,10 @@ static bool refuse_axis(
     char why[ERR_BYTES];
     err_set(why, "there are no coordinates along %.60s, expected them", a->name);
     if (*f->plane_fault) err_set(why, "%.150s, expected coordinates", f->plane_fault);
-    err_set(err, "%s: %s along each axis%s%s%s", what, why, operator? ", as cdo " : "",
-        operator? operator: "", operator? ",GRID IN OUT writes; nc2vtk(1) has a GRID" : "");
-    return false;
+    if (!operator) return err_set(err, "%s: %s along each axis", what, why);
+    return err_set(err,
+        "%s: %s along each axis, as cdo %s,GRID -selname,%.60s IN OUT writes; nc2vtk(1) has a GRID",
+        what, why, operator, f->name);
 }
 
 static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
@@ -66,9 +67,8 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->at || a->kind == CF_T || a->n == 1 || a->chosen) continue;
-        const bool rest =
-            cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y) && (cf_axis_of(f, CF_Z) || cf_is_other(a));
-        return rest ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
+        const bool flat = cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y);
+        return flat ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
     }
     if (!cf_tell_axes_apart(c, f, err)) return false;
     for (int i = 0; i < f->n_axes; i++) {
