@@ -73,6 +73,7 @@ is 'transverse Mercator' "$(mapped utm m "grid_mapping_name = \"transverse_merca
 	'+proj=tmerc +lat_0=0 +lon_0=9 +k_0=0.9996 +x_0=500000 +a=6378137 +rf=298.2572236 [m] -3 6'
 sed 's/"crs"/"crs: x y other: z"/' utm.cdl | ncgen -o words.nc && nc2vtk words.nc s >a.vtk
 like 'the attribute may name the coordinates, too' "$(plane)" '^.proj=tmerc '
+is 'PROJ says nothing of its own, as without its database' "$(PROJ_LIB=/no PROJ_DATA=/no nc2vtk words.nc s 2>&1 >b.vtk; cmp a.vtk b.vtk 2>&1)" ''
 is 'a field without a mapping has no plane' "$(sed 's/s:grid_mapping/s:note/' utm.cdl | ncgen -o bare.nc && nc2vtk bare.nc s >a.vtk; plane)" ''
 is 'a meridian and an ellipsoid by name' "$(mapped paris m "grid_mapping_name = \"lambert_conformal_conic\"; standard_parallel = 46.8; latitude_of_projection_origin = 46.8;
 	longitude_of_central_meridian = 0.; longitude_of_prime_meridian = 2.33722917; reference_ellipsoid_name = \"Bessel 1841\";")" \
@@ -181,6 +182,8 @@ if there /usr/include/udunits2.h; then
 	run nc2vtk -z no.nc temp
 	is 'refused: a variable that is not there' "$status:$out:$err" '2::nc2vtk: no.nc: temp: -z: the levels need zeta, which is not there'
 fi
+sed 's/lon_rho/lon/g; s/lat_rho/lat/g; s/temp:coordinates/temp:note/' roms.cdl | ncgen -o named.nc
+is 'longitudes and latitudes of usual names, which the variable does not name' "$(got named.nc temp >/dev/null; on_line coordinates X a.vtk)" '-71 -70 -68'
 is 'ROMS: degrees' "$(got roms.nc temp >/dev/null; on_line coordinates X a.vtk; on_line coordinates Y a.vtk)" '-71 -70 -6840 41'
 sed 's/lat_rho = 40, 40, 40/lat_rho = 40, 40.2, 40.4/' roms.cdl | ncgen -o bent.nc
 refused bent.nc temp 'a curvilinear grid: lon_rho and lat_rho are rectilinear neither in degrees nor on a plane of the file, expected coordinates along each axis, as cdo remapbil,GRID -selname,temp'

@@ -74,10 +74,11 @@ static void take(struct cf_file *c, struct cf_field *f, const char *name, struct
     p->of[0] = of[0], p->of[1] = of[1];
 }
 
-/* Finds those that the field names, or those of the model WRF. */
+/* Finds those that the field names, or those of usual names. */
 static bool find(struct cf_file *c, struct cf_field *f, struct places *p)
 {
-    static const char *const others[] = {"XLONG", "XLAT", "XLONG_M", "XLAT_M"};
+    static const char *const others[] = {"XLONG", "XLAT", "XLONG_M", "XLAT_M", "longitude",
+        "latitude", "lon", "lat", "nav_lon", "nav_lat"};
     char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
     *p = (struct places){.id = {-1, -1}};
     while ((word = text_part(&rest, ' ')) != NULL) take(c, f, word, p);
