@@ -215,6 +215,9 @@ if there cdo; then
 	# shellcheck disable=SC2046  # a word each
 	ok 'its command works' cdo -s -O $(advised grid) icon.nc out.nc
 	is 'and its result is a grid of both levels' "$(got out.nc temp | cut -d' ' -f 1,3,7,9,10)" '1 2 3 4 5'
+	sed 's/height(height);/height(height, ncells);/; s/height = 10, 100/height = 1, 2, 3, 4, 5, 6, 7, 8/' icon.cdl | ncgen -k nc4 -o fvcom.nc
+	run nc2vtk fvcom.nc temp
+	like 'one that cdo skips has no command' "$status:$err" '^2:nc2vtk: fvcom.nc: temp: an unstructured grid: there are no coordinates along height, expected them along each axis$'
 	for sample in reduced_gg_pl_32_grib2 reduced_gg_ml_grib1 sh_pl_grib2 sh_ml_grib1; do
 		run grib2vtk $samples/$sample.tmpl t
 		like "$sample is refused, with a command" "$status:$err" '^2:grib2vtk: .*, as cdo [a-z0-9]+,?[a-z]* IN OUT writes$'

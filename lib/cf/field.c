@@ -32,6 +32,14 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
         first = dims[0];
     }
     free(names);
+    for (int i = 0; name && i < f->n_axes; i++) { /* cdo skips levels of each node, as of FVCOM */
+        int id, n;
+        nc_type type;
+        if (nc_inq_varid(f->group, f->axis[i].name, &id) == NC_NOERR &&
+            nc_inq_var(f->group, id, NULL, &type, &n, NULL, NULL) == NC_NOERR && n > 1 &&
+            type != NC_CHAR)
+            name = NULL;
+    }
     return name;
 }
 
