@@ -381,6 +381,8 @@ run nc2vtk -t 12 "$atlas" TEMP
 is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: expected an index below 12"
 make_nc never "t = UNLIMITED; $cube" "$axes float s(t, z, y, x); double t(t); t:axis = \"T\";" "$nodes"
 refused never.nc s 's: no times, expected one at least'
+make_nc empty 'x = 2; y = 2; z = UNLIMITED;' "$axes float s(z, y, x);" 'x = 1, 2; y = 3, 4;'
+refused empty.nc s 's: z has 0 nodes, expected 1 at least'
 cp other.nc own-1.nc
 for name in own-1.nc ./own-1.nc; do
 	run nc2vtk -o $name own-1.nc s

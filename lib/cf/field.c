@@ -60,8 +60,9 @@ static bool refuse_axis(
 static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 {
     if (a->kind == CF_T || a->kind == CF_NONE || a->made) return true;
-    if (a->n < 2 && a->kind != CF_Z)
-        return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    const size_t least = a->kind == CF_Z ? 1 : 2;
+    if (a->n < least)
+        return err_set(err, "%.60s has %zu nodes, expected %zu at least", a->name, a->n, least);
     if (a->n < 2) return true;
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
