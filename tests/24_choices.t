@@ -149,6 +149,8 @@ levels() { echo "set level=500; set values={$1,$1,$1,$1,$1,$1}; write; set level
 two='set productDefinitionTemplateNumber=1;'
 messages ensemble "$two set number=1; $(levels 1 2) set number=2; $(levels 3 6) set number=10; $(levels 8 7)"
 refused ensemble.grib2 t 'several fields at level 500 of one time, expected one: -w number=1|2|10, or number=mean or spread$'
+messages control "$(levels 9 9) $two set number=1; $(levels 1 2)"
+refused control.grib2 t 'expected one: -w number=1 or count=1.3.2.4, or number=mean or spread$'
 first() { grib2vtk "$@" >a.vtk && on_line values a.vtk | cut -d' ' -f 1,12; }
 is '-w number=2' "$(first -w number=2 ensemble.grib2 t)" '6 3'
 is '-w number=mean' "$(first -w number=mean ensemble.grib2 t)" '5 4'
@@ -206,6 +208,9 @@ if there cdo; then
 	# shellcheck disable=SC2046  # a word each
 	ok 'the command works, beside variables that cdo does not remap' cdo -s -O $(advised grid) wrf.nc out.nc
 	is 'and its result is a grid, with the levels of the model' "$(got out.nc T | cut -d' ' -f 5,14):$(on_line coordinates Z a.vtk)" '5 15:1 2'
+	sed 's/XLAT/YLAT/g; s/XLONG YLAT/XLONG XLAT/' wrf.cdl | ncgen -k nc4 -o half.nc
+	run nc2vtk half.nc T
+	like 'without its latitudes, no command helps' "$status:$err" '^2:nc2vtk: half.nc: T: .* expected them along each axis$'
 	make_nc icon 'height = 2; ncells = 4;' 'double clon(ncells); clon:units = "radian"; clon:standard_name = "longitude"; double clat(ncells);
 		clat:units = "radian"; clat:standard_name = "latitude"; double height(height); height:units = "m"; height:axis = "Z"; height:positive = "up";
 		float temp(height, ncells); temp:coordinates = "clat clon";' \

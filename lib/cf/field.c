@@ -15,7 +15,7 @@
 static const char *remapping(struct cf_file *c, const struct cf_field *f, const char **what)
 {
     char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
-    int first = -1;
+    int first = -1, curved = 0;
     const char *name = NULL;
     while (!name && (word = text_part(&rest, ' ')) != NULL) {
         int id, n, dims[NC_MAX_VAR_DIMS];
@@ -27,7 +27,7 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
         cf_text(c, f->group, id, "units", units);
         if (n > 1 && type != NC_CHAR) *what = "a curvilinear grid";
         if (strncasecmp(units, "deg", 3) != 0 && strncasecmp(units, "rad", 3) != 0) continue;
-        if (n > 1) name = "remapbil";
+        if (n > 1) name = curved++ ? "remapbil" : NULL; /* both are there */
         else if (dims[0] == first) name = "remapnn", *what = "an unstructured grid";
         first = dims[0];
     }
