@@ -160,6 +160,11 @@ sed 's/lev:positive = "up"/lev:units = "hPa"; &/' order.cdl | ncgen -o upward.nc
 is 'a pressure points down, whatever its attribute says' "$(on_line coordinates Z a.vtk)" '-20 -10'
 sed 's/lev:positive = "up"/lev:standard_name = "depth"; lev:units = "m"/' order.cdl | ncgen -o deep.nc && got deep.nc s >/dev/null
 is 'a depth points down without an attribute' "$(on_line coordinates Z a.vtk)" '-20 -10'
+for edit in 's/lev:positive = "up"/lev:long_name = "Depth of water"/' 's/lev:positive = "up";//; s/\<lev\>/depth/g' \
+	's/lev:positive = "up";//; s/\<lev\>/depth/g; s/depth = 20, 10;/depth = -10, -20;/'; do
+	sed "$edit" order.cdl | ncgen -o deep.nc && got deep.nc s >/dev/null && echo "$(on_line coordinates Z a.vtk)"
+done >depths
+is 'so does one by its other names, unless it is negative already' "$(paste -sd: depths)" '-20 -10:-20 -10:-20 -10'
 make_nc step 'time = 1; step = 2; z = 2; y = 2; x = 2;' "$axes double time(time); time:units = \"days since 2000-1-1\";
 	double step(step); step:standard_name = \"forecast_period\"; step:units = \"hours\"; float s(time, step, z, y, x);" \
 	"$nodes time = 0; step = 0, 6; s = $(seq -s, 1 16);"
@@ -193,12 +198,12 @@ is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11
 is 'axes are the same without dimensions of one element' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
 like '-l does not list dimensions of one element' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
 # The name of an axis decides last; an axis with an unknown name does not count as height.
-for name in timestep time_step xtime date level_type ensemble number; do
+for name in timestep time_step xtime date level_type ensemble number expver; do
 	make_nc named "$name = 2; lat = 2; lon = 2;" "float $name($name); float lat(lat); float lon(lon); float s($name, lat, lon);" \
 		"$name = 0, 1; lat = 1, 2; lon = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;"
 	run nc2vtk -t 1 named.nc s
 	case $name in
-	*_type | ensemble | number) is "an axis named $name is not taken for height" "$status:$(echo "$err" | grep -c 'is none of x, y, z and time')" 2:1 ;;
+	*_type | ensemble | number | expver) is "an axis named $name is not taken for height" "$status:$(echo "$err" | grep -c 'is none of x, y, z and time')" 2:1 ;;
 	*) is "an axis named $name is time, of a field without height" "$(got -t 1 named.nc s):$(on_line coordinates Z a.vtk)" '5 6 7 8:0' ;;
 	esac
 done
@@ -376,6 +381,8 @@ run nc2vtk -t 12 "$atlas" TEMP
 is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: expected an index below 12"
 make_nc never "t = UNLIMITED; $cube" "$axes float s(t, z, y, x); double t(t); t:axis = \"T\";" "$nodes"
 refused never.nc s 's: no times, expected one at least'
+make_nc empty 'x = 2; y = 2; z = UNLIMITED;' "$axes float s(z, y, x);" 'x = 1, 2; y = 3, 4;'
+refused empty.nc s 's: z has 0 nodes, expected 1 at least'
 cp other.nc own-1.nc
 for name in own-1.nc ./own-1.nc; do
 	run nc2vtk -o $name own-1.nc s

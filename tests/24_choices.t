@@ -24,6 +24,8 @@ is '-d member=spread: the root of the mean square difference' "$(got -d member=s
 is 'the mean is that of the expression' "$(got -d member=mean members.nc 'a=s*s' >/dev/null; rounded)" '13.67 4 9 16 25 36 59.67 64'
 is 'a variable without the dimension' "$(got -d member=mean members.nc 'a=s-t' >/dev/null; rounded)" '2 1 2 3 4 5 6.667 7'
 is '-d takes a level' "$(got -d member=0 -d z=6. members.nc s)" '5 6 7 nan'
+sed 's/"low", "mid", "high"/"1", "2", "3"/' members.cdl | ncgen -k nc4 -o numbered.nc
+is '-d member=1: a label of digits' "$(got -d member=1 numbered.nc s)" '1 2 3 4 5 6 7 nan'
 like '-i -d lists what is chosen' "$(nc2vtk -i -d member=0 members.nc)" '^s +2x2x2 +K +1 to 7 '
 for bad in 'member=3 there is no member=3, expected -d member=INDEX from 0 to 2' 'member=11. there is no member=11\.' 'member=x there is no member=x' 'run=1 member has 3 elements'; do
 	run nc2vtk -d "${bad%% *}" members.nc s
@@ -147,6 +149,8 @@ levels() { echo "set level=500; set values={$1,$1,$1,$1,$1,$1}; write; set level
 two='set productDefinitionTemplateNumber=1;'
 messages ensemble "$two set number=1; $(levels 1 2) set number=2; $(levels 3 6) set number=10; $(levels 8 7)"
 refused ensemble.grib2 t 'several fields at level 500 of one time, expected one: -w number=1|2|10, or number=mean or spread$'
+messages control "$(levels 9 9) $two set number=1; $(levels 1 2)"
+refused control.grib2 t 'expected one: -w number=1 or count=1.3.2.4, or number=mean or spread$'
 first() { grib2vtk "$@" >a.vtk && on_line values a.vtk | cut -d' ' -f 1,12; }
 is '-w number=2' "$(first -w number=2 ensemble.grib2 t)" '6 3'
 is '-w number=mean' "$(first -w number=mean ensemble.grib2 t)" '5 4'
@@ -191,26 +195,34 @@ run nc2vtk -t all -o w%d.vtk second.nc s
 is '-t all of another file says that grids are replaced' "$status:$err" '0:nc2vtk: w0.vtk held another grid, which is replaced; another -o keeps both; w2.vtk stays'
 
 # ---- commands that refusals name -------------------------------------------------------------------------------------
-# advised GRID: the operator of the message in $err, with that for GRID
-advised() { echo "$err" | sed -nE "s/.* as cdo ([a-z0-9]+,?[A-Za-z]*) IN OUT writes.*/\1/p" | sed "s/GRID/${1-}/"; }
+# advised GRID: the operators of the message in $err, with that for GRID
+advised() { echo "$err" | sed -nE "s/.* as cdo ([a-z0-9]+,?[A-Za-z]*( -selname,[A-Za-z]*)?) IN OUT writes.*/\1/p" | sed "s/GRID/${1-}/"; }
 if there cdo; then
 	printf '%s\n' 'gridtype = lonlat' 'xsize = 3' 'ysize = 3' 'xfirst = 5' 'xinc = 1' 'yfirst = 51' 'yinc = 1' >grid
-	make_nc wrf 'Time = UNLIMITED; bottom_top = 2; south_north = 3; west_east = 3;' 'float XLAT(Time, south_north, west_east); XLAT:units = "degree_north";
+	make_nc wrf 'Time = UNLIMITED; bottom_top = 2; soil_layers_stag = 4; south_north = 3; west_east = 3;' 'float ZS(Time, soil_layers_stag); float XLAT(Time, south_north, west_east); XLAT:units = "degree_north";
 		float XLONG(Time, south_north, west_east); XLONG:units = "degree_east"; float XTIME(Time); XTIME:units = "minutes since 2000-01-01 00:00:00";
 		float T(Time, bottom_top, south_north, west_east); T:coordinates = "XLONG XLAT XTIME"; T:units = "K";' \
 		'XTIME = 0; XLAT = 50, 50, 50, 52, 52, 52, 54, 54, 54; XLONG = 4, 6, 8, 4, 6, 8, 3.7, 6, 8.3; T = 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18, 19;'
 	run nc2vtk wrf.nc T
-	like 'a curvilinear file of WRF without a plane is refused, with a command' "$status:$err" '^2:nc2vtk: wrf.nc: T: a curvilinear grid: .* as cdo remapbil,GRID IN OUT writes; nc2vtk.1. has a GRID$'
-	ok 'the command works' cdo -s -O "$(advised grid)" wrf.nc out.nc
+	like 'a curvilinear file of WRF without a plane is refused, with a command' "$status:$err" '^2:nc2vtk: wrf.nc: T: a curvilinear grid: .* as cdo remapbil,GRID -selname,T IN OUT writes; nc2vtk.1. has a GRID$'
+	# shellcheck disable=SC2046  # a word each
+	ok 'the command works, beside variables that cdo does not remap' cdo -s -O $(advised grid) wrf.nc out.nc
 	is 'and its result is a grid, with the levels of the model' "$(got out.nc T | cut -d' ' -f 5,14):$(on_line coordinates Z a.vtk)" '5 15:1 2'
+	sed 's/XLAT/YLAT/g; s/XLONG YLAT/XLONG XLAT/' wrf.cdl | ncgen -k nc4 -o half.nc
+	run nc2vtk half.nc T
+	like 'without its latitudes, no command helps' "$status:$err" '^2:nc2vtk: half.nc: T: .* expected them along each axis$'
 	make_nc icon 'height = 2; ncells = 4;' 'double clon(ncells); clon:units = "radian"; clon:standard_name = "longitude"; double clat(ncells);
 		clat:units = "radian"; clat:standard_name = "latitude"; double height(height); height:units = "m"; height:axis = "Z"; height:positive = "up";
 		float temp(height, ncells); temp:coordinates = "clat clon";' \
 		'clon = .08, .12, .08, .12; clat = .89, .89, .93, .93; height = 10, 100; temp = 1, 2, 3, 4, 5, 6, 7, 8;'
 	run nc2vtk icon.nc temp
-	like 'so is one of ICON' "$status:$err" '^2:nc2vtk: icon.nc: temp: an unstructured grid: .* as cdo remapnn,GRID IN OUT writes'
-	ok 'its command works' cdo -s -O "$(advised grid)" icon.nc out.nc
+	like 'so is one of ICON' "$status:$err" '^2:nc2vtk: icon.nc: temp: an unstructured grid: .* as cdo remapnn,GRID -selname,temp IN OUT writes'
+	# shellcheck disable=SC2046  # a word each
+	ok 'its command works' cdo -s -O $(advised grid) icon.nc out.nc
 	is 'and its result is a grid of both levels' "$(got out.nc temp | cut -d' ' -f 1,3,7,9,10)" '1 2 3 4 5'
+	sed 's/height(height);/height(height, ncells);/; s/height = 10, 100/height = 1, 2, 3, 4, 5, 6, 7, 8/' icon.cdl | ncgen -k nc4 -o fvcom.nc
+	run nc2vtk fvcom.nc temp
+	like 'one that cdo skips has no command' "$status:$err" '^2:nc2vtk: fvcom.nc: temp: an unstructured grid: there are no coordinates along height, expected them along each axis$'
 	for sample in reduced_gg_pl_32_grib2 reduced_gg_ml_grib1 sh_pl_grib2 sh_ml_grib1; do
 		run grib2vtk $samples/$sample.tmpl t
 		like "$sample is refused, with a command" "$status:$err" '^2:grib2vtk: .*, as cdo [a-z0-9]+,?[a-z]* IN OUT writes$'

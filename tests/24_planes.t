@@ -73,7 +73,11 @@ is 'transverse Mercator' "$(mapped utm m "grid_mapping_name = \"transverse_merca
 	'+proj=tmerc +lat_0=0 +lon_0=9 +k_0=0.9996 +x_0=500000 +a=6378137 +rf=298.2572236 [m] -3 6'
 sed 's/"crs"/"crs: x y other: z"/' utm.cdl | ncgen -o words.nc && nc2vtk words.nc s >a.vtk
 like 'the attribute may name the coordinates, too' "$(plane)" '^.proj=tmerc '
+is 'PROJ says nothing of its own, as without its database' "$(PROJ_LIB=/no PROJ_DATA=/no nc2vtk words.nc s 2>&1 >b.vtk; cmp a.vtk b.vtk 2>&1)" ''
 is 'a field without a mapping has no plane' "$(sed 's/s:grid_mapping/s:note/' utm.cdl | ncgen -o bare.nc && nc2vtk bare.nc s >a.vtk; plane)" ''
+is 'a meridian and an ellipsoid by name' "$(mapped paris m "grid_mapping_name = \"lambert_conformal_conic\"; standard_parallel = 46.8; latitude_of_projection_origin = 46.8;
+	longitude_of_central_meridian = 0.; longitude_of_prime_meridian = 2.33722917; reference_ellipsoid_name = \"Bessel 1841\";")" \
+	'+proj=lcc +lat_1=46.8 +lat_2=46.8 +lat_0=46.8 +lon_0=0 +pm=2.33722917 +a=6377397.155 +rf=299.1528128 [m] -3 6'
 for bad in 'lambert_conformal_conic has no number standard_parallel' 'geostationary'; do
 	mapped bad m "grid_mapping_name = \"${bad%% *}\"; longitude_of_central_meridian = 9.;" >got 2>err
 	like "a mapping that is not known: ${bad%% *}" "$(cat got):$(cat err)" "^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping (is )?$bad"
@@ -130,6 +134,11 @@ is 'WRF: -z: heights of PH and PHB' "$(got -z wrf.nc 'theta=T+300' | cut -d' ' -
 is 'WRF: times of texts, over a leap day' "$(nc2vtk -t 1 wrf.nc T | sed -n '2s/.*; t //p' | sed 's/;.*//')" 'Time 30.5 [hours since 2024-02-28 18:00:00]'
 sed 's/float HGT/double XTIME(Time); XTIME:units = "minutes since 2024-02-28 18:00:00"; &/; s/HGT = /XTIME = 0, 1830; &/' wrf.cdl | ncgen -o xtime.nc
 is 'WRF: times of numbers' "$(nc2vtk -t 1 xtime.nc T | sed -n '2s/.*; t //p' | sed 's/;.*//')" 'Time 1830 [minutes since 2024-02-28 18:00:00]'
+sed 's/bottom_top_stag = 3;/& soil_layers_stag = 4;/; s/float HGT/float TSLB(Time, soil_layers_stag, south_north, west_east); TSLB:coordinates = "XLONG XLAT"; &/' wrf.cdl |
+	ncgen -o soil.nc
+refused soil.nc TSLB 'soil_layers_stag has 4 elements and is none of x, y, z and time, expected -d soil_layers_stag=INDEX from 0 to 3'
+sed "s/:MAP_PROJ = 1/:DX = 500.f; :DY = 250.f; &/; s/XLONG = [^;]*; XLAT = [^;]*/XLONG = $(each 9 0); XLAT = $(each 9 0)/" wrf.cdl | ncgen -o ideal.nc
+is 'WRF: an ideal case, by its steps' "$(got ideal.nc T >/dev/null; about; sed -n '2s/.*; x \(.*\); z .*/\1/p' a.vtk)" '0 50 100 0 25 50 west_east [m]; y south_north [m]'
 wrf_of polar ':MAP_PROJ = 2; :TRUELAT1 = -71.f; :TRUELAT2 = -91.f; :STAND_LON = 90.f;' '+proj=stere +lat_ts=-71 +lat_0=-90 +lon_0=90 +R=6370000'
 is 'WRF: a polar plane' "$(got polar.nc T >/dev/null; about)" '+proj=stere +lat_0=-90 +lat_ts=-71 +lon_0=90 +R=6370000
 -900 0 900 -900 0 900 '
@@ -173,9 +182,11 @@ if there /usr/include/udunits2.h; then
 	run nc2vtk -z no.nc temp
 	is 'refused: a variable that is not there' "$status:$out:$err" '2::nc2vtk: no.nc: temp: -z: the levels need zeta, which is not there'
 fi
+sed 's/lon_rho/lon/g; s/lat_rho/lat/g; s/temp:coordinates/temp:note/' roms.cdl | ncgen -o named.nc
+is 'longitudes and latitudes of usual names, which the variable does not name' "$(got named.nc temp >/dev/null; on_line coordinates X a.vtk)" '-71 -70 -68'
 is 'ROMS: degrees' "$(got roms.nc temp >/dev/null; on_line coordinates X a.vtk; on_line coordinates Y a.vtk)" '-71 -70 -6840 41'
 sed 's/lat_rho = 40, 40, 40/lat_rho = 40, 40.2, 40.4/' roms.cdl | ncgen -o bent.nc
-refused bent.nc temp 'a curvilinear grid: lon_rho and lat_rho are rectilinear neither in degrees nor on a plane of the file, expected coordinates along each axis, as cdo remapbil,GRID'
+refused bent.nc temp 'a curvilinear grid: lon_rho and lat_rho are rectilinear neither in degrees nor on a plane of the file, expected coordinates along each axis, as cdo remapbil,GRID -selname,temp'
 
 # ---- grids of GRIB ---------------------------------------------------------------------------------------------------
 converter=grib2vtk

@@ -70,11 +70,11 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
         const char *part; /* part of the name; with "=" in front the whole name */
         enum cf_kind kind;
     } table[] = {{"_type", CF_NONE}, {"ensemble", CF_NONE}, {"member", CF_NONE}, {"=ens", CF_NONE},
-        {"=number", CF_NONE}, {"realization", CF_NONE}, {"bnds", CF_NONE}, {"time", CF_T},
-        {"step", CF_T}, {"date", CF_T}, {"month", CF_T}, {"year", CF_T}, {"hour", CF_T},
-        {"=day", CF_T}, {"=t", CF_T}, {"longitude", CF_X}, {"west_east", CF_X}, {"=lon", CF_X},
-        {"=x", CF_X}, {"latitude", CF_Y}, {"south_north", CF_Y}, {"=lat", CF_Y}, {"=y", CF_Y},
-        {"bottom_top", CF_Z}, {"level", CF_Z}, {"height", CF_Z}, {"depth", CF_Z},
+        {"=number", CF_NONE}, {"realization", CF_NONE}, {"bnds", CF_NONE}, {"=expver", CF_NONE},
+        {"time", CF_T}, {"step", CF_T}, {"date", CF_T}, {"month", CF_T}, {"year", CF_T},
+        {"hour", CF_T}, {"=day", CF_T}, {"=t", CF_T}, {"longitude", CF_X}, {"west_east", CF_X},
+        {"=lon", CF_X}, {"=x", CF_X}, {"latitude", CF_Y}, {"south_north", CF_Y}, {"=lat", CF_Y},
+        {"=y", CF_Y}, {"bottom_top", CF_Z}, {"level", CF_Z}, {"height", CF_Z}, {"depth", CF_Z},
         {"altitude", CF_Z}, {"pressure", CF_Z}, {"=lev", CF_Z}, {"=z", CF_Z}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const char *part = table[i].part;
@@ -126,6 +126,18 @@ static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
     if (calendar[0]) snprintf(a->units + n, CF_TEXT - n, " (%s)", calendar);
 }
 
+/* By any of its names. Depths below 0 are heights already. */
+static bool is_depth(struct cf_file *c, const struct cf_axis *a)
+{
+    char standard[CF_TEXT], about[CF_TEXT];
+    bool below = false;
+    cf_text(c, a->in, a->id, "standard_name", standard);
+    cf_text(c, a->in, a->id, "long_name", about);
+    for (size_t i = 0; i < a->n; i++) below = below || a->at[i] > 0;
+    return below &&
+           (text_has(standard, "depth") || text_has(a->name, "depth") || text_has(about, "depth"));
+}
+
 /* The levels of the model WRF, which have no coordinates, are counted from the lowest one. */
 static void count_levels(struct cf_axis *a)
 {
@@ -138,7 +150,7 @@ static void count_levels(struct cf_axis *a)
 
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
-    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT], standard[CF_TEXT];
+    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
     int in, id;
     struct cf_packing p;
     *a = (struct cf_axis){.kind = CF_NONE, .dim = dim};
@@ -157,16 +169,14 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_unpacks(&p, a->name, err)) return false;
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
-    cf_text(c, in, id, "standard_name", standard);
     a->in = in;
     a->id = id;
     a->kind = kind_of(c, in, id, a);
     a->pressure = a->kind == CF_Z && is_pressure(a->units);
-    const bool depth = strcasecmp(standard, "depth") == 0;
-    a->down = strcasecmp(positive, "down") == 0 || a->pressure || (!positive[0] && depth);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
+    a->down = strcasecmp(positive, "down") == 0 || a->pressure || (!positive[0] && is_depth(c, a));
     name_calendar(c, in, id, a);
     return true;
 }

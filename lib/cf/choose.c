@@ -91,19 +91,23 @@ bool cf_choices(
 
 /* ---- choosing -------------------------------------------------------------------------------- */
 
-/* Finds the element with a value, or with a label. */
-static bool find_value(
-    struct cf_file *c, const struct cf_field *f, struct cf_axis *a, const char *value)
+static bool find_value(struct cf_axis *a, const char *value)
 {
     double v;
+    if (!a->at || !parse_real(value, -GRID_MAX, GRID_MAX, &v)) return false;
+    for (size_t i = 0; i < a->n; i++)
+        if (fabs(a->at[i] - v) <= 1e-6 * fabs(v)) {
+            a->pick = i;
+            return true;
+        }
+    return false;
+}
+
+static bool find_label(
+    struct cf_file *c, const struct cf_field *f, struct cf_axis *a, const char *value)
+{
     char one[LABEL];
     int id;
-    if (a->at && parse_real(value, -GRID_MAX, GRID_MAX, &v))
-        for (size_t i = 0; i < a->n; i++)
-            if (fabs(a->at[i] - v) <= 1e-6 * fabs(v)) {
-                a->pick = i;
-                return true;
-            }
     if (!find_labels(c, f, a->dim, a->name, &id)) return false;
     for (size_t i = 0; i < a->n; i++)
         if (label(c, f->group, id, i, one) && strcmp(one, value) == 0) {
@@ -127,11 +131,11 @@ bool cf_choose(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES])
             a->kind = CF_NONE;
             a->over = o->over;
             over += o->over;
-            if (o->over) continue;
+            if (o->over || find_label(c, f, a, o->value)) continue; /* a label may be of digits */
             if (parse_int(o->value, 0, INT64_MAX, &index)) {
                 a->pick = (size_t)index;
                 if (a->pick < a->n) continue;
-            } else if (find_value(c, f, a, o->value)) continue;
+            } else if (find_value(a, o->value)) continue;
             snprintf(why, sizeof why, "there is no %.30s=%.30s", a->name, o->value);
             return refuse(c, f, a, why, err);
         }

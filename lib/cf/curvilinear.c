@@ -74,10 +74,11 @@ static void take(struct cf_file *c, struct cf_field *f, const char *name, struct
     p->of[0] = of[0], p->of[1] = of[1];
 }
 
-/* Finds those that the field names, or those of the model WRF. */
+/* Finds those that the field names, or those of usual names. */
 static bool find(struct cf_file *c, struct cf_field *f, struct places *p)
 {
-    static const char *const others[] = {"XLONG", "XLAT", "XLONG_M", "XLAT_M"};
+    static const char *const others[] = {"XLONG", "XLAT", "XLONG_M", "XLAT_M", "longitude",
+        "latitude", "lon", "lat", "nav_lon", "nav_lat"};
     char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
     *p = (struct places){.id = {-1, -1}};
     while ((word = text_part(&rest, ' ')) != NULL) take(c, f, word, p);
@@ -166,6 +167,21 @@ static double means(const struct places *p, int axis, double *at)
     return least > 0 ? off / least : (double)INFINITY;
 }
 
+/* An ideal case of WRF has all nodes at one place, and states the steps in metres. */
+static bool steps(struct cf_file *c, const struct places *p, double *at[2])
+{
+    static const char *const names[] = {"DY", "DX"};
+    const size_t nodes = p->of[0]->n * p->of[1]->n;
+    for (int k = 0; k < 2; k++) {
+        double step[2];
+        for (size_t i = 0; i < nodes; i++)
+            if (p->at[k][i] != p->at[k][0]) return false;
+        if (!cf_reals(c, c->root, NC_GLOBAL, names[k], step) || !(step[0] > 0)) return false;
+        for (size_t i = 0; i < p->of[k]->n; i++) at[k][i] = step[0] * (double)i;
+    }
+    return true;
+}
+
 /* Steps that are even to the precision of the file become exactly even. */
 static void even(double *at, size_t n)
 {
@@ -207,7 +223,12 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
     if (read_places(c, f, &p)) {
         if (move(c, f, &p))
             err_set(f->plane_fault, "%.30s and %.30s change with time", p.name[0], p.name[1]);
-        else if (!place(f, &p, err)) err_set(f->plane_fault, "%s", err);
+        else if (steps(c, &p, (double *[]){y, x})) {
+            *f->plane = '\0';
+            set_axis(p.of[1], CF_X, "m", x);
+            set_axis(p.of[0], CF_Y, "m", y);
+            x = y = NULL;
+        } else if (!place(f, &p, err)) err_set(f->plane_fault, "%s", err);
         else {
             const double off = fmax(means(&p, 1, x), means(&p, 0, y));
             if (off <= SLACK) {

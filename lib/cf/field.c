@@ -15,7 +15,7 @@
 static const char *remapping(struct cf_file *c, const struct cf_field *f, const char **what)
 {
     char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
-    int first = -1;
+    int first = -1, curved = 0;
     const char *name = NULL;
     while (!name && (word = text_part(&rest, ' ')) != NULL) {
         int id, n, dims[NC_MAX_VAR_DIMS];
@@ -27,11 +27,19 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
         cf_text(c, f->group, id, "units", units);
         if (n > 1 && type != NC_CHAR) *what = "a curvilinear grid";
         if (strncasecmp(units, "deg", 3) != 0 && strncasecmp(units, "rad", 3) != 0) continue;
-        if (n > 1) name = "remapbil";
+        if (n > 1) name = curved++ ? "remapbil" : NULL; /* both are there */
         else if (dims[0] == first) name = "remapnn", *what = "an unstructured grid";
         first = dims[0];
     }
     free(names);
+    for (int i = 0; name && i < f->n_axes; i++) { /* cdo skips levels of each node, as of FVCOM */
+        int id, n;
+        nc_type type;
+        if (nc_inq_varid(f->group, f->axis[i].name, &id) == NC_NOERR &&
+            nc_inq_var(f->group, id, NULL, &type, &n, NULL, NULL) == NC_NOERR && n > 1 &&
+            type != NC_CHAR)
+            name = NULL;
+    }
     return name;
 }
 
@@ -43,16 +51,18 @@ static bool refuse_axis(
     char why[ERR_BYTES];
     err_set(why, "there are no coordinates along %.60s, expected them", a->name);
     if (*f->plane_fault) err_set(why, "%.150s, expected coordinates", f->plane_fault);
-    err_set(err, "%s: %s along each axis%s%s%s", what, why, operator? ", as cdo " : "",
-        operator? operator: "", operator? ",GRID IN OUT writes; nc2vtk(1) has a GRID" : "");
-    return false;
+    if (!operator) return err_set(err, "%s: %s along each axis", what, why);
+    return err_set(err,
+        "%s: %s along each axis, as cdo %s,GRID -selname,%.60s IN OUT writes; nc2vtk(1) has a GRID",
+        what, why, operator, f->name);
 }
 
 static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 {
     if (a->kind == CF_T || a->kind == CF_NONE || a->made) return true;
-    if (a->n < 2 && a->kind != CF_Z)
-        return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    const size_t least = a->kind == CF_Z ? 1 : 2;
+    if (a->n < least)
+        return err_set(err, "%.60s has %zu nodes, expected %zu at least", a->name, a->n, least);
     if (a->n < 2) return true;
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
@@ -66,9 +76,8 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->at || a->kind == CF_T || a->n == 1 || a->chosen) continue;
-        const bool rest =
-            cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y) && (cf_axis_of(f, CF_Z) || cf_is_other(a));
-        return rest ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
+        const bool flat = cf_axis_of(f, CF_X) && cf_axis_of(f, CF_Y);
+        return flat ? cf_choices(c, f, a, err) : refuse_axis(c, f, a, err);
     }
     if (!cf_tell_axes_apart(c, f, err)) return false;
     for (int i = 0; i < f->n_axes; i++) {

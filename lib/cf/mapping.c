@@ -53,9 +53,16 @@ static bool add(
 
 static void add_earth(const struct place *at, char text[PROJECTION_TEXT])
 {
+    static const struct {
+        const char *part; /* of a name */
+        double a, flattening;
+    } known[] = {{"wgs", 6378137, 298.257223563}, {"grs", 6378137, 298.257222101},
+        {"bessel 1841", 6377397.155, 299.1528128}, {"airy 1830", 6377563.396, 299.3249646},
+        {"international 1924", 6378388, 297}, {"krass", 6378245, 298.3}};
     double a = EARTH_M, b, flattening = 0;
     char name[CF_TEXT];
     cf_text(at->c, at->group, at->id, "reference_ellipsoid_name", name);
+    if (!*name) cf_text(at->c, at->group, at->id, "horizontal_datum_name", name);
     if (real(at, "semi_major_axis", &a)) {
         if (a < 1e4) a *= 1000; /* in km, against the conventions */
         b = a;
@@ -67,13 +74,11 @@ static void add_earth(const struct place *at, char text[PROJECTION_TEXT])
         } else projection_earth(text, a, b);
         return;
     }
-    if (real(at, "earth_radius", &a))
-        projection_earth(text, a < 1e4 ? 1000 * a : a, a < 1e4 ? 1000 * a : a);
-    else if (text_has(name, "wgs"))
-        projection_add(text, "a", 6378137), projection_add(text, "rf", 298.257223563);
-    else if (text_has(name, "grs"))
-        projection_add(text, "a", 6378137), projection_add(text, "rf", 298.257222101);
-    else projection_earth(text, EARTH_M, EARTH_M);
+    size_t i = 0, n = sizeof known / sizeof *known;
+    const bool radius = real(at, "earth_radius", &a);
+    while (!radius && i < n && !text_has(name, known[i].part)) i++;
+    if (radius || i == n) projection_earth(text, a < 1e4 ? 1000 * a : a, a < 1e4 ? 1000 * a : a);
+    else projection_add(text, "a", known[i].a), projection_add(text, "rf", known[i].flattening);
 }
 
 /* ---- the plane ------------------------------------------------------------------------------- */
@@ -122,6 +127,7 @@ static bool compose(const struct place *at, const struct mapping *m, double metr
         add(at, "scale_factor_at_central_meridian", "k_0", text);
     if (real(at, "false_easting", &v) && fabs(v) > 0) projection_add(text, "x_0", v * metres);
     if (real(at, "false_northing", &v) && fabs(v) > 0) projection_add(text, "y_0", v * metres);
+    if (real(at, "longitude_of_prime_meridian", &v) && fabs(v) > 0) projection_add(text, "pm", v);
     add_earth(at, text);
     return true;
 }

@@ -13,13 +13,15 @@
 
 void cf_wrf_center(struct cf_field *f)
 {
-    static const char end[] = "_stag";
+    static const char *const of_grid[] = {"west_east_stag", "south_north_stag", "bottom_top_stag"};
     for (int i = 0; i < f->n_axes; i++) {
         struct cf_axis *a = &f->axis[i];
-        const size_t n = strlen(a->name), m = sizeof end - 1;
-        if (a->chosen || n <= m || strcmp(a->name + n - m, end) != 0 || a->n < 2) continue;
+        bool is = false; /* soil_layers_stag is not: its layers are no edges of others */
+        for (size_t k = 0; k < sizeof of_grid / sizeof *of_grid; k++)
+            is = is || strcmp(a->name, of_grid[k]) == 0;
+        if (!is || a->chosen || a->n < 2) continue;
         if (a->at && a->in >= 0) continue; /* it has coordinates */
-        a->name[n - m] = '\0';
+        a->name[strlen(a->name) - strlen("_stag")] = '\0';
         a->n--;
         a->staggered = true;
     }

@@ -58,7 +58,7 @@ static void list(const struct gb_stack *s, int key, struct buf *out)
     for (size_t i = 0; i < s->n; i++) {
         size_t before = 0;
         while (before < i && strcmp(s->at[before].choice[key], s->at[i].choice[key]) != 0) before++;
-        if (before < i) continue;
+        if (before < i || !*s->at[i].choice[key]) continue;
         if (++many > 6) break;
         buf_printf(out, "%s%s", many > 1 ? "|" : "", s->at[i].choice[key]);
     }
@@ -72,8 +72,9 @@ bool gb_refuse(const struct gb_stack *s, const struct gb_entry *e, char err[ERR_
     for (int i = 0; i < GB_CHOICES && found < 3; i++) {
         const bool differs = strcmp(e->choice[i], e[-1].choice[i]) != 0;
         if (!differs || (found && i == GB_CHOICES - 1)) continue; /* the count differs always */
-        buf_printf(&out, found++ ? " or " : "");
+        buf_printf(&out, buf_size(&out) ? " or " : "");
         list(s, i, &out);
+        found += *e->choice[i] && *e[-1].choice[i]; /* one without a value needs another key */
     }
     buf_append(&out, "", 1);
     err_set(err, "several fields at level %g of one time, expected one: -w %s%s", e->level,

@@ -35,12 +35,17 @@ static double degree_of(const struct projection *p)
     return most > 8 ? 1 : RADIANS;
 }
 
+static void say_nothing(void *data, int level, const char *text)
+{
+    (void)data, (void)level, (void)text; /* errors are returned */
+}
+
 struct projection *projection_open(const char *text, char err[ERR_BYTES])
 {
     struct projection *p = xcalloc(1, sizeof *p);
     p->context = proj_context_create();
     if (!p->context) die(ST_SYSTEM, "PROJ has no memory");
-    proj_log_level(p->context, PJ_LOG_NONE);
+    proj_log_func(p->context, NULL, say_nothing); /* no level silences all */
     proj_context_set_enable_network(p->context, 0);
     p->transformation = proj_create(p->context, text);
     if (p->transformation && proj_angular_input(p->transformation, PJ_FWD)) {
