@@ -56,9 +56,9 @@ done
 is 'the scene comes first' "$(cd my && povworker -l scene.pov | head -n 1)" scene.pov
 echo >my/more
 is 'a further file' "$(povworker -l my/scene.pov my/more | grep -c more)" 1
-run povworker -p my/scene.pov more
+run povworker -l my/scene.pov more
 is 'a file that is not there' "$status:$out" 2:
-run povworker -p my/scene.pov "$root/tests/lib.sh"
+run povworker -i -s 8x8 my/scene.pov "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
 
 # POV-Ray sleeps at its start and its end, so what does not depend on each other runs at the same time.
@@ -84,7 +84,7 @@ size=48x36 tile=27x19 bits=''
 tiles() {
 	name=$1 file=$2
 	shift 2
-	{ povworker -p "$file"; partition -u tile:$tile $size; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
+	{ povworker -l "$file" | xargs -d '\n' pack files; partition -u tile:$tile $size; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
 		gather $bits -o "$name.tiles.png"
 }
 # pair NAME SCENE WORD ...: both, in the background
@@ -306,7 +306,7 @@ whole slow slow.pov +W48 +H36
 mkdir first
 printf '#!/bin/sh\n%s "$@" | tee %s/first.png\n' "$(command -v povray)" "$tmp" >first/povray
 chmod +x first/povray
-{ povworker -p slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker -w - >first.frags
+{ pack files slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker -w - >first.frags
 { printf 'P5 48 36 255\n'; head -c 1728 /dev/zero; } >black.pgm
 is 'the first row is drawn, and no other' "$(same first.png black.pgm)" 'differing	0'
 # Renderers of rectangles wait for the file go, so that some are there to be killed.
@@ -317,7 +317,7 @@ case " \$*" in *' +SC'*) until [ -e '$tmp/go' ]; do sleep .05; done ;; esac
 exec $(command -v povray) "\$@"
 END
 chmod +x held/povray
-povworker -p slow.pov >slow.files
+pack files slow.pov >slow.files
 { cat slow.files; partition -u tile:48x6 48x36; } |
 	PATH=$tmp/held:$PATH MARK=$mark deal -q auto -e fan -1 -j 3 povworker - 2>killed.said | gather -o killed.png &
 rendering() { [ "$(program povray | wc -l)" -ge 2 ]; }
