@@ -150,6 +150,12 @@ for file in *OFF.off; do
 	is "standard input: $file" "$status:$(faces | grep '^p')" '0:p 3 0 0 0 1 0 0 0 1 0'
 done
 
+cat >shine.x3d <<'END'
+<X3D><Scene><Shape><Appearance><Material diffuseColor="1 1 1" specularColor="1 1 1" shininess="0.5"/></Appearance>
+<IndexedFaceSet coordIndex="0 1 2 -1"><Coordinate point="0 0 0 1 0 0 0 1 0"/></IndexedFaceSet></Shape></Scene></X3D>
+END
+is 'the shininess of X3D is a share of 128' "$(mesh2nff shine.x3d 2>&1 | grep '^f ')" 'f 1 1 1 1 1 64 0 1'
+
 printf 'newmtl z\nKd 1 1 1\nd 0.5\nNi 0\n' >zero.mtl
 printf 'mtllib zero.mtl\nusemtl z\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >zero.obj
 is 'an index of refraction of 0 bends no light' "$(mesh2nff zero.obj | grep '^f ')" 'f 1 1 1 0.5 0 0 0.5 1'
@@ -339,6 +345,18 @@ gltf "{\"children\": [1, 2]}, {\"name\": \"Lamp\", $(lamp 0), \"translation\": [
 	"$paint, $(echo "$lamps" | sed 's/{"type": "directional.*/]}}/;/"spot"/d' | sed 's/, ]/]/')" >lamp.gltf
 run mesh2nff lamp.gltf
 is 'nor does a later mesh with its name move a light' "$(after l)" '0.5 0.5 10 1 0.5 0.25'
+
+# Centimetres: light fades by distances in the file's unit.
+# shining COLOUR: the light of such a Collada file
+shining() {
+	sed "s|<library_cameras>|<library_lights><light id='w'><technique_common><point><color>$1</color><constant_attenuation>0\
+		</constant_attenuation><linear_attenuation>0</linear_attenuation><quadratic_attenuation>0.01</quadratic_attenuation>\
+		</point></technique_common></light></library_lights>&|; s|<instance_camera url=\"#c\"/>|<instance_light url=\"#w\"/>|
+		s|<up_axis>|<unit meter='0.01'/>&|" y.dae >shines.dae
+	mesh2nff shines.dae 2>/dev/null | sed -n 's/^l //p' | cut -d' ' -f4-
+}
+is 'a light of Collada fades by centimetres' "$(shining '0.5 0.25 0')" '0.61349696 0.30674848 0'
+is 'a stronger one is in units of a program' "$(shining '500 250 0')" '1 0.5 0'
 
 # ---- the view that fits --------------------------------------------------------------------------------------
 # extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge

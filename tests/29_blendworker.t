@@ -129,7 +129,8 @@ alone real/s.blend alone.png
 run balance adaptive -j 2 -k 16 -o got.pfm real/s.blend
 is 'balance: the picture of Blender alone' "$status:$err$(same got.pfm alone.png.pfm)" '0:differing	0'
 settings='s.camera.data.dof.use_dof = True
-r.use_motion_blur = True'
+r.use_motion_blur = True
+r.resolution_x, r.resolution_y, r.resolution_percentage = 100, 57, 29'
 n=0
 while IFS= read -r setting; do
 	scene set$((n += 1)).blend "$setting" </dev/null

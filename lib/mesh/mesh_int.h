@@ -128,6 +128,7 @@ struct mesh {
     size_t n_pictures;
     uint64_t picture_room_px; /* for those that are not read yet */
     struct vec3 lo, hi;       /* bounds of the faces */
+    double unit;              /* of the file, in the scene's; lights fade by distances in it */
     int digits;               /* of coordinates far from the origin; 0: single precision will do */
     struct view view;
     struct light *lights; /* own_colour is set */
