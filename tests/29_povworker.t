@@ -53,6 +53,11 @@ for odd in "a b" "a;b" "a=b" "a'b" "a[b]"; do
 	cp my/scene.pov "my odd/$odd.pov"
 	ok "a scene named $odd.pov" povworker -i -s 8x8 "my odd/$odd.pov"
 done
+for odd in 'a"b' 'a\b' 'aé'; do
+	cp my/scene.pov "my odd/$odd.pov"
+	run povworker -l "my odd/$odd.pov"
+	like "a scene named $odd.pov, which POV-Ray cannot read" "$status $err" '^2 povworker: my odd/.*: POV-Ray reads no such name, expected ASCII'
+done
 is 'the scene comes first' "$(cd my && povworker -l scene.pov | head -n 1)" scene.pov
 echo >my/more
 is 'a further file' "$(povworker -l my/scene.pov my/more | grep -c more)" 1
@@ -190,7 +195,7 @@ for word in +FP16 +fp +FT +F8 Output_File_Type=p; do
 	run povworker -i $word my/scene.pov
 	like "$word: only PNG states its curve" "$status $err" "^2 povworker: [$word]+: expected [+]FN, [+]FN8 or [+]FN16"
 done
-for word in +oa.png Output_File_Name=a.png output_to_file=off +Iother.pov Input_File_Name=other.pov; do
+for word in +w80 +H60 Height=60 +SC0.5 +er9 +e9 End_Row=0.5 +oa.png Output_File_Name=a.png output_to_file=off +Iother.pov Input_File_Name=other.pov; do
 	run povworker -i $word my/scene.pov
 	like "$word is povworker's" "$status $err" "^2 povworker: [$word]+: expected "
 done
