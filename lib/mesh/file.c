@@ -65,12 +65,36 @@ static bool has_strips(FILE *f)
     return false;
 }
 
+/* An extension that a glTF requires, and that libassimp passes over although places of corners or
+ * meshes depend on it; NULL: none. */
+static const char *passed_over(FILE *f)
+{
+    static const char *const names[] = {
+        "KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
+    char first[4], *part = NULL, *list = NULL;
+    size_t room = 0, n = fread(first, 1, sizeof first, f);
+    const bool binary = n == 4 && memcmp(first, "glTF", 4) == 0;
+    if (!binary && !memchr(first, '{', n)) return NULL;
+    fseek(f, binary ? 20 : 0, SEEK_SET);
+    while (!list && getdelim(&part, &room, ']', f) > 0) list = strstr(part, "\"extensionsRequired\"");
+    const char *found = NULL;
+    for (size_t i = 0; list && i < sizeof names / sizeof *names; i++)
+        if (strstr(list, names[i])) found = names[i];
+    free(part);
+    return found;
+}
+
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(FILE *f, char err[ERR_BYTES])
 {
     if (!f) return err_set(err, "%s", strerror(errno));
     bool strips = has_strips(f);
+    rewind(f);
+    const char *extension = passed_over(f);
     fclose(f);
+    if (extension)
+        return err_set(err, "requires %s, which libassimp does not read, expected a glTF without",
+            extension);
     return !strips || err_set(err, "PLY with element tristrips, expected element face");
 }
 
