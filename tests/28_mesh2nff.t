@@ -437,6 +437,8 @@ third() { case $1 in 21) echo 0.67741936 ;; 10) echo 0.32258064 ;; esac; }
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
 like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, each face has their mean$'
+sed 's/^property list.*/&\nproperty uchar red/; s/^\([34] .*\)/\1 9/' text.ply >painted.ply
+like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's faces, .*: 1, left out$"
 printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj
 run mesh2nff coloured.obj
 is 'each face has the mean of its corners, in steps of 1/31, and a line f where it changes' "$(faces)" \
@@ -654,6 +656,10 @@ printf 'v %s\n' '0 0 0' '1 1 1' '2 2 2' >line.obj
 echo 'f 1 2 3' >>line.obj
 refused line.obj 'line.obj: has no usable face with an area, expected one at least$'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\n' >points.obj
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 2' 'property float x' 'property float y' 'property float z' end_header '0 0 0' '1 0 0' >cloud.ply
+refused cloud.ply 'cloud.ply: has 2 points and 0 lines but no face'
+head -c 120 bytes.stl >torn.stl
+refused torn.stl 'torn.stl: neither STL in text nor an STL whose length is that of its facets$'
 refused points.obj 'points.obj: has 1 points and 1 lines but no face with an area, expected one: points and lines are not rendered$'
 echo '# nothing' >comment.obj
 refused comment.obj 'comment.obj: an OBJ without faces, expected one at least$'

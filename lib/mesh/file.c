@@ -27,6 +27,8 @@ static bool refused(char err[ERR_BYTES])
     if (n && why[n - 1] == '.') n--;
     if (strstr(why, "OBJ-file is too small"))
         return err_set(err, "an OBJ without faces, expected one at least");
+    if (strstr(why, "STL storage representation"))
+        return err_set(err, "neither STL in text nor an STL whose length is that of its facets");
     return err_set(err, "libassimp: %.*s, expected a mesh in one of its formats", n < 150 ? n : 150,
         n ? why : "no reason is given");
 }
@@ -55,13 +57,20 @@ static bool declares_strips(const char *line)
     return *line >= '1' && *line <= '9';
 }
 
-/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. */
-static bool has_strips(FILE *f)
+/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. *unread:
+ * whether it has colours that libassimp passes over. */
+static bool has_strips(FILE *f, bool *unread)
 {
-    char line[LINE_BYTES];
+    char line[LINE_BYTES], name[LINE_BYTES];
+    bool faces = false;
     if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return false;
-    while (next_line(f, line) && strncmp(line, "end_header", 10) != 0)
+    while (next_line(f, line) && strncmp(line, "end_header", 10) != 0) {
         if (declares_strips(line)) return true;
+        if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
+        if (sscanf(line, "property %*s %63s", name) == 1)
+            *unread = *unread || (faces && strcmp(name, "red") == 0) ||
+                      strcmp(name, "diffuse_red") == 0;
+    }
     return false;
 }
 
@@ -85,10 +94,10 @@ static const char *passed_over(FILE *f)
 }
 
 /* Closes the file; NULL: it could not be opened. */
-static bool is_readable(FILE *f, char err[ERR_BYTES])
+static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
     if (!f) return err_set(err, "%s", strerror(errno));
-    bool strips = has_strips(f);
+    bool strips = has_strips(f, &m->lost_colours);
     rewind(f);
     const char *extension = passed_over(f);
     fclose(f);
@@ -116,7 +125,7 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     size_t n = buf_size(b);
     if (!n) return err_set(err, "is empty, expected a mesh");
     if (n > BYTES_MAX) return too_large(err);
-    if (!is_readable(fmemopen(b->data + b->off, n, "rb"), err)) return false;
+    if (!is_readable(m, fmemopen(b->data + b->off, n, "rb"), err)) return false;
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
@@ -144,7 +153,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (S_ISDIR(st.st_mode)) return err_set(err, "%s", strerror(EISDIR));
     if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
-    if (!is_readable(fopen(path, "rb"), err)) return false;
+    if (!is_readable(m, fopen(path, "rb"), err)) return false;
     m->scene = mesh_file_marked(path) ? mesh_import_unmarked(path) : aiImportFile(path, 0);
     return m->scene || refused(err);
 }
@@ -173,7 +182,9 @@ static bool measure(struct mesh *m, char err[ERR_BYTES])
     struct extent e = {v3(HUGE_VAL, HUGE_VAL, HUGE_VAL), v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), 0, 0};
     mesh_faces_each(m, m->loss, include, &e);
     m->lo = e.lo, m->hi = e.hi;
-    const uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
+    uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
+    for (unsigned i = 0; i < m->scene->mNumMeshes; i++)
+        if (!m->scene->mMeshes[i]->mNumFaces) points += m->scene->mMeshes[i]->mNumVertices;
     if (!e.faces && points + lines)
         return err_set(err,
             "has %llu points and %llu lines but no face with an area, expected one: "

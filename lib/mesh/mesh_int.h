@@ -22,6 +22,7 @@ enum mesh_loss_kind {
     LOSS_EMISSION,
     LOSS_METAL,
     LOSS_COLOURS,
+    LOSS_UNREAD_COLOURS,
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
@@ -140,6 +141,7 @@ struct mesh {
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
+    bool lost_colours;       /* what only the header of a PLY says: it has some that are not read */
 };
 
 /* Fills parts and frames from the tree of nodes. False with err if there are too many faces. */
