@@ -93,6 +93,22 @@ static const char *passed_over(FILE *f)
     return found;
 }
 
+/* True if a corner of an OBJ has a number such as .5: libassimp leaves the corner out, and faces get
+ * others. */
+static bool has_bare_points(FILE *f)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ptrdiff_t n;
+    bool found = false;
+    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n)) {
+        const size_t lead = strncmp(line, "vt", 2) == 0 ? 2 : *line == 'v';
+        found = lead && strchr(" \t", line[lead]) && (strstr(line, " .") || strstr(line, "\t."));
+    }
+    free(line);
+    return found;
+}
+
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
@@ -100,6 +116,8 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     bool strips = has_strips(f, &m->lost_colours);
     rewind(f);
     const char *extension = passed_over(f);
+    rewind(f);
+    m->lost_corners = has_bare_points(f);
     fclose(f);
     if (extension)
         return err_set(err, "requires %s, which libassimp does not read, expected a glTF without",
@@ -215,6 +233,8 @@ static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
     aiAttachLogStream(&log);
     bool ok = import(path, m, err);
     aiDetachLogStream(&log);
+    if (m->lost_corners && (!m->scene || mesh_is_read_by(m, "Wavefront")))
+        return err_set(err, "has numbers such as .5 in lines v or vt, expected 0.5 for libassimp");
     if (ok && m->lost_end) return err_set(err, "ends too early, expected a whole file");
     if (ok && m->lost_vertex)
         return err_set(err, "a face has a corner that is not there, expected all corners");

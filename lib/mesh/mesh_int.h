@@ -141,6 +141,7 @@ struct mesh {
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
+    bool lost_corners;       /* an OBJ has corners with numbers that it does not read */
     bool lost_colours;       /* what only the header of a PLY says: it has some that are not read */
 };
 
