@@ -68,8 +68,8 @@ static bool has_strips(FILE *f, bool *unread)
         if (declares_strips(line)) return true;
         if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
         if (sscanf(line, "property %*s %63s", name) == 1)
-            *unread = *unread || (faces && strcmp(name, "red") == 0) ||
-                      strcmp(name, "diffuse_red") == 0;
+            *unread =
+                *unread || (faces && strcmp(name, "red") == 0) || strcmp(name, "diffuse_red") == 0;
     }
     return false;
 }
@@ -85,7 +85,8 @@ static const char *passed_over(FILE *f)
     const bool binary = n == 4 && memcmp(first, "glTF", 4) == 0;
     if (!binary && !memchr(first, '{', n)) return NULL;
     fseek(f, binary ? 20 : 0, SEEK_SET);
-    while (!list && getdelim(&part, &room, ']', f) > 0) list = strstr(part, "\"extensionsRequired\"");
+    while (!list && getdelim(&part, &room, ']', f) > 0)
+        list = strstr(part, "\"extensionsRequired\"");
     const char *found = NULL;
     for (size_t i = 0; list && i < sizeof names / sizeof *names; i++)
         if (strstr(list, names[i])) found = names[i];
@@ -120,8 +121,8 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     m->lost_corners = has_bare_points(f);
     fclose(f);
     if (extension)
-        return err_set(err, "requires %s, which libassimp does not read, expected a glTF without",
-            extension);
+        return err_set(
+            err, "requires %s, which libassimp does not read, expected a glTF without", extension);
     return !strips || err_set(err, "PLY with element tristrips, expected element face");
 }
 

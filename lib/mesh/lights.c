@@ -27,8 +27,8 @@ static double fading(const struct mesh *m, const struct aiLight *l, double dista
 }
 
 /* Adds a light, if it shines. False if its numbers are unusable. */
-static bool add(struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *most,
-    double *sum)
+static bool add(
+    struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *most, double *sum)
 {
     struct light out = {.own_colour = true};
     double fade = 1;
