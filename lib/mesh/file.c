@@ -94,7 +94,7 @@ static const char *passed_over(FILE *f)
     return found;
 }
 
-/* True if a corner of an OBJ has a number such as .5: libassimp leaves the corner out, and faces get
+/* True if a corner of an OBJ has a number such as .5: libassimp leaves it out, and faces get
  * others. */
 static bool has_bare_points(FILE *f)
 {
