@@ -61,15 +61,15 @@ static bool declares_strips(const char *line)
  * whether it has colours that libassimp passes over. */
 static bool has_strips(FILE *f, bool *unread)
 {
-    char line[LINE_BYTES], name[LINE_BYTES];
+    char line[LINE_BYTES];
     bool faces = false;
     if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return false;
     while (next_line(f, line) && strncmp(line, "end_header", 10) != 0) {
         if (declares_strips(line)) return true;
         if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
-        if (sscanf(line, "property %*s %63s", name) == 1)
-            *unread =
-                *unread || (faces && strcmp(name, "red") == 0) || strcmp(name, "diffuse_red") == 0;
+        const char *name = strrchr(line, ' ');
+        if (name && strncmp(line, "property", 8) == 0)
+            *unread |= (faces && strcmp(name, " red") == 0) || strcmp(name, " diffuse_red") == 0;
     }
     return false;
 }
