@@ -2,7 +2,7 @@
  * job: says what the files of a run mean, and writes their state records.
  *
  * lib/job has the rules. This program asks the renderer for the frames, which knows what a picture
- * depends on. For a scene of POV-Ray or Blender, its worker knows the files.
+ * depends on. For a scene of POV-Ray or Blender, its worker says which files these are.
  */
 #include "job/job.h"
 #include "base/base.h"
@@ -28,7 +28,8 @@ struct options {
     char **words;
     size_t n_words;
     struct job job;
-    char *program; /* the worker */
+    char *program;     /* the worker */
+    struct buf inputs; /* the lines `input` of it */
 };
 
 static const char usage_text[] = "[-h] [-e FRAMES] FILE ...\n"
@@ -108,36 +109,15 @@ static void write_pairs(const struct options *o)
     buf_free(&frames);
 }
 
-/* The words of a command: the worker, `first` ones, and these files; NULL. The caller frees the
- * array. The views or specifications follow scene or grid `at`. */
-static char **command(const struct options *o, char *const first[], size_t n_first, size_t at)
+/* The files of a scene of another renderer: those that are given, as -i has named them. */
+static void write_files(const struct job *j)
 {
-    static char end[] = "--";
-    const struct job *j = &o->job;
-    size_t n = 0;
-    char **words = xcalloc(n_first + j->n + 4, sizeof *words);
-    words[n++] = o->program;
-    for (size_t i = 0; i < n_first; i++) words[n++] = first[i];
-    words[n++] = end;
-    words[n++] = j->path[at];
-    for (size_t i = job_foreign(j) ? 1 : j->subjects; i < j->n; i++) words[n++] = j->path[i];
-    if (j->starter) words[n++] = o->kept;
-    return words;
-}
-
-static void write_state(const struct options *o)
-{
-    static char pack[] = "-p";
-    switch (o->job.what) {
-    case JOB_SCENE:
-    case JOB_GRIDS: write_pairs(o); break;
-    case JOB_POV:
-    case JOB_BLEND: {
-        char **words = command(o, (char *[]){pack}, 1, 0);
-        execvp(*words, words);
-        die(ST_SYSTEM, "%s:", *words);
-    }
-    }
+    static char pack[] = "pack", files[] = "files";
+    char **words = xcalloc(j->n + 3, sizeof *words);
+    words[0] = pack, words[1] = files;
+    memcpy(words + 2, j->path, j->n * sizeof *words);
+    execvp(pack, words);
+    die(ST_SYSTEM, "%s:", pack);
 }
 
 /* ---- -i ------------------------------------------------------------------------------------- */
@@ -219,14 +199,18 @@ static char *next_line(char **text)
     return line;
 }
 
-/* Takes frames, and prints other lines; the usage is left out, because the user of -W does not call
- * the worker. Returns the number of lines printed. */
-static int take_lines(struct job_frames *f, struct buf *said)
+/* Takes frames and inputs, and prints other lines; the usage is left out, because the user of -W
+ * does not call the worker. Returns the number of lines printed. */
+static int take_lines(struct job_frames *f, struct buf *inputs, struct buf *said)
 {
     int others = 0;
     buf_append(said, "", 1);
     for (char *text = (char *)said->data, *line; (line = next_line(&text)) != NULL;) {
         if (job_frames_take(f, line)) continue;
+        if (strncmp(line, "input ", 6) == 0) {
+            buf_printf(inputs, "%s\n", line);
+            continue;
+        }
         if (strncmp(line, "usage:", 6) == 0) break; /* the rest is usage as well */
         relay_line(line);
         others++;
@@ -234,8 +218,25 @@ static int take_lines(struct job_frames *f, struct buf *said)
     return others;
 }
 
+/* The words of a command: the worker, `first` ones, and these files; NULL. The caller frees the
+ * array. The views or specifications follow scene or grid `at`. */
+static char **command(const struct options *o, char *const first[], size_t n_first, size_t at)
+{
+    static char end[] = "--";
+    const struct job *j = &o->job;
+    size_t n = 0;
+    char **words = xcalloc(n_first + j->n + 4, sizeof *words);
+    words[n++] = o->program;
+    for (size_t i = 0; i < n_first; i++) words[n++] = first[i];
+    words[n++] = end;
+    words[n++] = j->path[at];
+    for (size_t i = job_foreign(j) ? 1 : j->subjects; i < j->n; i++) words[n++] = j->path[i];
+    if (j->starter) words[n++] = o->kept;
+    return words;
+}
+
 /* Asks the worker for the frames of scene or grid `at`; of a foreign scene, for all. */
-static void ask(const struct options *o, int in, size_t at, struct job_frames *f)
+static void ask(struct options *o, int in, size_t at, struct job_frames *f)
 {
     static char inspect[] = "-i", transparent[] = "-t", size[] = "-s";
     char **first = xcalloc(o->n_words + 4, sizeof *first);
@@ -254,7 +255,7 @@ static void ask(const struct options *o, int in, size_t at, struct job_frames *f
             "installed",
             o->program);
     const uint32_t before = f->n;
-    int others = take_lines(f, &said);
+    int others = take_lines(f, &o->inputs, &said);
     if (status && !others) warn("-W %s: expected options of %s", o->worker, o->program);
     if (status) exit(status == ST_SYSTEM ? ST_SYSTEM : ST_USAGE);
     if (f->n == before)
@@ -273,26 +274,17 @@ static void print_input(const char *name)
     printf("input %s\n", name);
 }
 
-static void print_inputs(const struct options *o, int null)
+static void print_inputs(struct options *o)
 {
-    static char list[] = "-l";
     char name[4096];
-    for (size_t i = 0; i < o->job.n; i++)
+    put_stdout_buf(&o->inputs);
+    for (size_t i = 0; i < o->job.n && !job_foreign(&o->job); i++)
         if (strcmp(o->job.path[i], "-") != 0) print_input(o->job.path[i]);
         else {
             ssize_t n = readlink("/proc/self/fd/0", name, sizeof name - 1);
             name[n < 0 ? 0 : n] = '\0';
             print_input(name);
         }
-    if (!job_foreign(&o->job)) return;
-    struct buf said = {0};
-    char **words = command(o, (char *[]){list}, 1, 0);
-    child_run(words, null, null, &said);
-    buf_append(&said, "", 1);
-    for (char *text = (char *)said.data, *line; (line = next_line(&text)) != NULL;)
-        print_input(line);
-    buf_free(&said);
-    free(words);
 }
 
 static void inspect(struct options *o)
@@ -306,8 +298,9 @@ static void inspect(struct options *o)
     check_one(o, f.n);
     printf("worker %s%s\nstates %zu\n", o->program, o->transparent ? " -t" : "", job_states(j));
     put_stdout_buf(&f.text);
-    print_inputs(o, in);
+    print_inputs(o);
     buf_free(&f.text);
+    buf_free(&o->inputs);
     close(in);
 }
 
@@ -316,7 +309,8 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     if (o.inspect) inspect(&o);
-    else write_state(&o);
+    else if (job_foreign(&o.job)) write_files(&o.job);
+    else write_pairs(&o);
     free(o.program);
     free(o.words);
     close_stdout();

@@ -150,6 +150,12 @@ for file in *OFF.off; do
 	is "standard input: $file" "$status:$(faces | grep '^p')" '0:p 3 0 0 0 1 0 0 0 1 0'
 done
 
+cat >shine.x3d <<'END'
+<X3D><Scene><Shape><Appearance><Material diffuseColor="1 1 1" specularColor="1 1 1" shininess="0.5"/></Appearance>
+<IndexedFaceSet coordIndex="0 1 2 -1"><Coordinate point="0 0 0 1 0 0 0 1 0"/></IndexedFaceSet></Shape></Scene></X3D>
+END
+is 'the shininess of X3D is a share of 128' "$(mesh2nff shine.x3d 2>&1 | grep '^f ')" 'f 1 1 1 1 1 64 0 1'
+
 printf 'newmtl z\nKd 1 1 1\nd 0.5\nNi 0\n' >zero.mtl
 printf 'mtllib zero.mtl\nusemtl z\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >zero.obj
 is 'an index of refraction of 0 bends no light' "$(mesh2nff zero.obj | grep '^f ')" 'f 1 1 1 0.5 0 0 0.5 1'
@@ -340,6 +346,18 @@ gltf "{\"children\": [1, 2]}, {\"name\": \"Lamp\", $(lamp 0), \"translation\": [
 run mesh2nff lamp.gltf
 is 'nor does a later mesh with its name move a light' "$(after l)" '0.5 0.5 10 1 0.5 0.25'
 
+# Centimetres: light fades by distances in the file's unit.
+# shining COLOUR: the light of such a Collada file
+shining() {
+	sed "s|<library_cameras>|<library_lights><light id='w'><technique_common><point><color>$1</color><constant_attenuation>0\
+		</constant_attenuation><linear_attenuation>0</linear_attenuation><quadratic_attenuation>0.01</quadratic_attenuation>\
+		</point></technique_common></light></library_lights>&|; s|<instance_camera url=\"#c\"/>|<instance_light url=\"#w\"/>|
+		s|<up_axis>|<unit meter='0.01'/>&|" y.dae >shines.dae
+	mesh2nff shines.dae 2>/dev/null | sed -n 's/^l //p' | cut -d' ' -f4-
+}
+is 'a light of Collada fades by centimetres' "$(shining '0.5 0.25 0')" '0.61349696 0.30674848 0'
+is 'a stronger one is in units of a program' "$(shining '500 250 0')" '1 0.5 0'
+
 # ---- the view that fits --------------------------------------------------------------------------------------
 # extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge
 extent() {
@@ -419,6 +437,8 @@ third() { case $1 in 21) echo 0.67741936 ;; 10) echo 0.32258064 ;; esac; }
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
 like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, each face has their mean$'
+sed 's/^property list.*/&\nproperty uchar red/; s/^\([34] .*\)/\1 9/' text.ply >painted.ply
+like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's faces, .*: 1, left out$"
 printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj
 run mesh2nff coloured.obj
 is 'each face has the mean of its corners, in steps of 1/31, and a line f where it changes' "$(faces)" \
@@ -552,10 +572,12 @@ cat >sparse.gltf <<END
 END
 sed 's/"asset"/"extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"], &/
 	s/"indices": 1,/&"extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}},/' sparse.gltf >draco.gltf
+sed 's/"asset"/"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"], &/' sparse.gltf >quantized.gltf
 while IFS='|' read -r name wanted; do
 	run mesh2nff "$name"
 	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
 done <<'END'
+quantized.gltf|2:mesh2nff: quantized.gltf: requires KHR_mesh_quantization, which libassimp does not read, expected a glTF without
 crlf.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 marked.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 continued.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -634,6 +656,12 @@ printf 'v %s\n' '0 0 0' '1 1 1' '2 2 2' >line.obj
 echo 'f 1 2 3' >>line.obj
 refused line.obj 'line.obj: has no usable face with an area, expected one at least$'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\n' >points.obj
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 2' 'property float x' 'property float y' 'property float z' end_header '0 0 0' '1 0 0' >cloud.ply
+printf 'v 0 0 0\nv .5 0 0\nv 1 0 0\nv 0 1 0\nv 7 7 7\nf 1 3 4\n' >bare.obj
+refused bare.obj 'bare.obj: has numbers such as .5 in lines v or vt, expected 0.5 for libassimp$'
+refused cloud.ply 'cloud.ply: has 2 points and 0 lines but no face'
+head -c 120 bytes.stl >torn.stl
+refused torn.stl 'torn.stl: neither STL in text nor an STL whose length is that of its facets$'
 refused points.obj 'points.obj: has 1 points and 1 lines but no face with an area, expected one: points and lines are not rendered$'
 echo '# nothing' >comment.obj
 refused comment.obj 'comment.obj: an OBJ without faces, expected one at least$'

@@ -20,7 +20,7 @@ shift
 ! grep '^blendworker: ' "$scene" >&2 || exit 2
 case "$(cat "$scene") $*" in *eevee*engine=CYCLES*) ;; *eevee*) exit 2 ;; esac
 case $1 in
-describe) sed 's/^remark /blendworker: /w /dev/stderr' "$scene" | grep -v ^blendworker >"$2"; exit ;;
+describe) sed 's/^remark /blendworker: /w /dev/stderr' "$scene" | grep -v ^blendworker >"$2"; echo >>"$DESCRIBED"; exit ;;
 esac
 grep -q texture tex/a.png || exit 2
 echo "${10-} ${11-}" >&2
@@ -29,19 +29,22 @@ awk -v f="$2" -v x="$3" -v y="$4" -v w="$5" -v h="$6" 'BEGIN { for (j = y; j < y
 	for (i = x; i < x + w; i++) printf "%c%c%c", 33 + i % 90, 33 + j % 90, 65 + f }' >>"$9"
 END
 chmod +x stand/blender
+DESCRIBED=$tmp/described && export DESCRIBED
 full=$PATH
 PATH=$tmp/stand:$PATH
 mkdir -p my/tex && echo texture >my/tex/a.png
 printf '64 48\n1 9 3 4\ntex/a.png\n' >my/s.blend
 (cd my && blender -b -noaudio --factory-startup -Y s.blend -- render 4 0 0 64 48 64 48 ../whole.ppm) 2>said || diag "$(cat said)"
-is 'the files: the scene first' "$(blendworker -l my/s.blend | tr '\n' ' ')" 'my/s.blend my/tex/a.png '
+is 'the files: the scene first, also of -i' "$(blendworker -i my/s.blend | sed -n 's/^input //p' | tr '\n' ' ')$(blendworker -l my/s.blend | tr '\n' ' ')" 'my/s.blend my/tex/a.png my/s.blend my/tex/a.png '
 echo >my/more
 is 'a further file' "$(blendworker -l my/s.blend my/more | tr '\n' ' ')" 'my/s.blend my/more my/tex/a.png '
 is 'the size and frame of the scene' "$(blendworker -i my/s.blend | grep frame)" 'frame 64 48 4'
 is 'all frames, with their step' "$(blendworker -i -s 8x8 frames=all my/s.blend | sed -n 's/^frame //p' | tr '\n' ' ')" '8 8 1 8 8 4 8 8 7 '
 is 'chosen frames' "$(blendworker -i -s 8x8 frames=08-9 my/s.blend | sed -n 's/^frame //p' | tr '\n' ' ')" '8 8 8 8 8 9 '
+rm described
 run balance adaptive -j 2 -o got.png my/s.blend
-is 'balance: the same picture as in one piece' "$status:$(same got.png whole.ppm)" '0:differing	0'
+is 'balance: the same picture as in one piece, and one search for files' \
+	"$status:$(same got.png whole.ppm):$(wc -l <described | tr -d ' ')" '0:differing	0:1'
 run balance auto -j 2 -s 32x24 -W 'frames=3-4 samples=8' -o film%d.png my/s.blend
 is 'balance auto: a picture for each frame' "$status:$(echo film*.png)" '0:film3.png film4.png'
 run balance adaptive -j 2 -s 32x24 -W frames=3-4 -o one.png my/s.blend
@@ -62,9 +65,9 @@ for word in frames=3-1 frames=a frames=-1 samples=x samples=9999999 threads=9999
 	run blendworker -i $word my/s.blend
 	like "$word is refused" "$status $err" "^2 blendworker: ($word|[a-z]+=[^ ]*): expected "
 done
-run blendworker -p none.blend
+run blendworker -l none.blend
 is 'a file that is not there' "$status:$err" '2:blendworker: none.blend: cannot be read, expected a file'
-run blendworker -p my/s.blend "$root/tests/lib.sh"
+run blendworker -i my/s.blend "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
 # Blender takes PWD for its directory, also for the name of the scene.
 pack files my/s.blend | cropworker -i -s 1x1 awk 'BEGIN { print "PWD [" ENVIRON["PWD"] "]" >"/dev/stderr"; exit 1 }' '{i}' 2>said
@@ -126,7 +129,8 @@ alone real/s.blend alone.png
 run balance adaptive -j 2 -k 16 -o got.pfm real/s.blend
 is 'balance: the picture of Blender alone' "$status:$err$(same got.pfm alone.png.pfm)" '0:differing	0'
 settings='s.camera.data.dof.use_dof = True
-r.use_motion_blur = True'
+r.use_motion_blur = True
+r.resolution_x, r.resolution_y, r.resolution_percentage = 100, 57, 29'
 n=0
 while IFS= read -r setting; do
 	scene set$((n += 1)).blend "$setting" </dev/null

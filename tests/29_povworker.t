@@ -53,12 +53,17 @@ for odd in "a b" "a;b" "a=b" "a'b" "a[b]"; do
 	cp my/scene.pov "my odd/$odd.pov"
 	ok "a scene named $odd.pov" povworker -i -s 8x8 "my odd/$odd.pov"
 done
+for odd in 'a"b' 'a\b' 'aé'; do
+	cp my/scene.pov "my odd/$odd.pov"
+	run povworker -l "my odd/$odd.pov"
+	like "a scene named $odd.pov, which POV-Ray cannot read" "$status $err" '^2 povworker: my odd/.*: POV-Ray reads no such name, expected ASCII'
+done
 is 'the scene comes first' "$(cd my && povworker -l scene.pov | head -n 1)" scene.pov
 echo >my/more
 is 'a further file' "$(povworker -l my/scene.pov my/more | grep -c more)" 1
-run povworker -p my/scene.pov more
+run povworker -l my/scene.pov more
 is 'a file that is not there' "$status:$out" 2:
-run povworker -p my/scene.pov "$root/tests/lib.sh"
+run povworker -i -s 8x8 my/scene.pov "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
 
 # POV-Ray sleeps at its start and its end, so what does not depend on each other runs at the same time.
@@ -84,7 +89,7 @@ size=48x36 tile=27x19 bits=''
 tiles() {
 	name=$1 file=$2
 	shift 2
-	{ povworker -p "$file"; partition -u tile:$tile $size; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
+	{ povworker -l "$file" | xargs -d '\n' pack files; partition -u tile:$tile $size; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
 		gather $bits -o "$name.tiles.png"
 }
 # pair NAME SCENE WORD ...: both, in the background
@@ -190,7 +195,7 @@ for word in +FP16 +fp +FT +F8 Output_File_Type=p; do
 	run povworker -i $word my/scene.pov
 	like "$word: only PNG states its curve" "$status $err" "^2 povworker: [$word]+: expected [+]FN, [+]FN8 or [+]FN16"
 done
-for word in +oa.png Output_File_Name=a.png output_to_file=off +Iother.pov Input_File_Name=other.pov; do
+for word in +w80 +H60 Height=60 +SC0.5 +er9 +e9 End_Row=0.5 +oa.png Output_File_Name=a.png output_to_file=off +Iother.pov Input_File_Name=other.pov; do
 	run povworker -i $word my/scene.pov
 	like "$word is povworker's" "$status $err" "^2 povworker: [$word]+: expected "
 done
@@ -306,7 +311,7 @@ whole slow slow.pov +W48 +H36
 mkdir first
 printf '#!/bin/sh\n%s "$@" | tee %s/first.png\n' "$(command -v povray)" "$tmp" >first/povray
 chmod +x first/povray
-{ povworker -p slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker -w - >first.frags
+{ pack files slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker -w - >first.frags
 { printf 'P5 48 36 255\n'; head -c 1728 /dev/zero; } >black.pgm
 is 'the first row is drawn, and no other' "$(same first.png black.pgm)" 'differing	0'
 # Renderers of rectangles wait for the file go, so that some are there to be killed.
@@ -317,7 +322,7 @@ case " \$*" in *' +SC'*) until [ -e '$tmp/go' ]; do sleep .05; done ;; esac
 exec $(command -v povray) "\$@"
 END
 chmod +x held/povray
-povworker -p slow.pov >slow.files
+pack files slow.pov >slow.files
 { cat slow.files; partition -u tile:48x6 48x36; } |
 	PATH=$tmp/held:$PATH MARK=$mark deal -q auto -e fan -1 -j 3 povworker - 2>killed.said | gather -o killed.png &
 rendering() { [ "$(program povray | wc -l)" -ge 2 ]; }

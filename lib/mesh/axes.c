@@ -78,6 +78,7 @@ static void tell(struct mesh *m, const struct mesh_frame *f, double unit, bool m
 struct mesh_frame mesh_axes(struct mesh *m)
 {
     struct mesh_frame f = identity;
+    m->unit = 1;
     const bool collada = mesh_is_read_by(m, "Collada"), fbx = mesh_is_read_by(m, "Autodesk FBX");
     if (fbx) {
         const double unit = fbx_unit(m);
@@ -85,10 +86,13 @@ struct mesh_frame mesh_axes(struct mesh *m)
         for (int i = 0; i < 3; i++)
             for (int k = 0; k < 3; k++) f.m[i][k] *= unit;
         tell(m, &f, unit, true);
+        m->unit = unit;
     } else if (m->scene->mRootNode && (collada || mesh_is_read_by(m, "Discreet 3DS"))) {
         const struct mesh_frame root = mesh_frame_of(&m->scene->mRootNode->mTransformation);
         const double unit = v3_len(mesh_row(&root, 1));
-        if (mesh_is_length(unit)) tell(m, &root, unit, collada);
+        if (!mesh_is_length(unit)) return f;
+        tell(m, &root, unit, collada);
+        m->unit = unit;
     }
     return f;
 }

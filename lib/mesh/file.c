@@ -27,6 +27,8 @@ static bool refused(char err[ERR_BYTES])
     if (n && why[n - 1] == '.') n--;
     if (strstr(why, "OBJ-file is too small"))
         return err_set(err, "an OBJ without faces, expected one at least");
+    if (strstr(why, "STL storage representation"))
+        return err_set(err, "neither STL in text nor an STL whose length is that of its facets");
     return err_set(err, "libassimp: %.*s, expected a mesh in one of its formats", n < 150 ? n : 150,
         n ? why : "no reason is given");
 }
@@ -55,22 +57,72 @@ static bool declares_strips(const char *line)
     return *line >= '1' && *line <= '9';
 }
 
-/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. */
-static bool has_strips(FILE *f)
+/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. *unread:
+ * whether it has colours that libassimp passes over. */
+static bool has_strips(FILE *f, bool *unread)
 {
     char line[LINE_BYTES];
+    bool faces = false;
     if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return false;
-    while (next_line(f, line) && strncmp(line, "end_header", 10) != 0)
+    while (next_line(f, line) && strncmp(line, "end_header", 10) != 0) {
         if (declares_strips(line)) return true;
+        if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
+        const char *name = strrchr(line, ' ');
+        if (name && strncmp(line, "property", 8) == 0)
+            *unread |= (faces && strcmp(name, " red") == 0) || strcmp(name, " diffuse_red") == 0;
+    }
     return false;
 }
 
+/* An extension that a glTF requires, and that libassimp passes over although places of corners or
+ * meshes depend on it; NULL: none. */
+static const char *passed_over(FILE *f)
+{
+    static const char *const names[] = {
+        "KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
+    char first[4], *part = NULL, *list = NULL;
+    size_t room = 0, n = fread(first, 1, sizeof first, f);
+    const bool binary = n == 4 && memcmp(first, "glTF", 4) == 0;
+    if (!binary && !memchr(first, '{', n)) return NULL;
+    fseek(f, binary ? 20 : 0, SEEK_SET);
+    while (!list && getdelim(&part, &room, ']', f) > 0)
+        list = strstr(part, "\"extensionsRequired\"");
+    const char *found = NULL;
+    for (size_t i = 0; list && i < sizeof names / sizeof *names; i++)
+        if (strstr(list, names[i])) found = names[i];
+    free(part);
+    return found;
+}
+
+/* True if a corner of an OBJ has a number such as .5: libassimp leaves it out, and faces get
+ * others. */
+static bool has_bare_points(FILE *f)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ptrdiff_t n;
+    bool found = false;
+    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n)) {
+        const size_t lead = strncmp(line, "vt", 2) == 0 ? 2 : *line == 'v';
+        found = lead && strchr(" \t", line[lead]) && (strstr(line, " .") || strstr(line, "\t."));
+    }
+    free(line);
+    return found;
+}
+
 /* Closes the file; NULL: it could not be opened. */
-static bool is_readable(FILE *f, char err[ERR_BYTES])
+static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
     if (!f) return err_set(err, "%s", strerror(errno));
-    bool strips = has_strips(f);
+    bool strips = has_strips(f, &m->lost_colours);
+    rewind(f);
+    const char *extension = passed_over(f);
+    rewind(f);
+    m->lost_corners = has_bare_points(f);
     fclose(f);
+    if (extension)
+        return err_set(
+            err, "requires %s, which libassimp does not read, expected a glTF without", extension);
     return !strips || err_set(err, "PLY with element tristrips, expected element face");
 }
 
@@ -92,7 +144,7 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     size_t n = buf_size(b);
     if (!n) return err_set(err, "is empty, expected a mesh");
     if (n > BYTES_MAX) return too_large(err);
-    if (!is_readable(fmemopen(b->data + b->off, n, "rb"), err)) return false;
+    if (!is_readable(m, fmemopen(b->data + b->off, n, "rb"), err)) return false;
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
@@ -120,7 +172,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (S_ISDIR(st.st_mode)) return err_set(err, "%s", strerror(EISDIR));
     if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
-    if (!is_readable(fopen(path, "rb"), err)) return false;
+    if (!is_readable(m, fopen(path, "rb"), err)) return false;
     m->scene = mesh_file_marked(path) ? mesh_import_unmarked(path) : aiImportFile(path, 0);
     return m->scene || refused(err);
 }
@@ -149,7 +201,9 @@ static bool measure(struct mesh *m, char err[ERR_BYTES])
     struct extent e = {v3(HUGE_VAL, HUGE_VAL, HUGE_VAL), v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), 0, 0};
     mesh_faces_each(m, m->loss, include, &e);
     m->lo = e.lo, m->hi = e.hi;
-    const uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
+    uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
+    for (unsigned i = 0; i < m->scene->mNumMeshes; i++)
+        if (!m->scene->mMeshes[i]->mNumFaces) points += m->scene->mMeshes[i]->mNumVertices;
     if (!e.faces && points + lines)
         return err_set(err,
             "has %llu points and %llu lines but no face with an area, expected one: "
@@ -180,6 +234,8 @@ static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
     aiAttachLogStream(&log);
     bool ok = import(path, m, err);
     aiDetachLogStream(&log);
+    if (m->lost_corners && (!m->scene || mesh_is_read_by(m, "Wavefront")))
+        return err_set(err, "has numbers such as .5 in lines v or vt, expected 0.5 for libassimp");
     if (ok && m->lost_end) return err_set(err, "ends too early, expected a whole file");
     if (ok && m->lost_vertex)
         return err_set(err, "a face has a corner that is not there, expected all corners");

@@ -12,20 +12,23 @@ static double diagonal(const struct mesh *m) { return v3_len(v3_sub(m->hi, m->lo
 static double largest(const struct light *l) { return fmax(l->r, fmax(l->g, l->b)); }
 
 /*
- * The factor of the light at this distance. A light of which the file says nothing has libassimp's
- * default, 1/distance, which is not meant.
+ * The factor of the light at this distance, in units of the file. A light of which the file says
+ * nothing has libassimp's default, 1/distance, which is not meant; nor is the constant that it has
+ * for a light of FBX that does not fade.
  */
-static double fading(const struct aiLight *l, double distance)
+static double fading(const struct mesh *m, const struct aiLight *l, double distance)
 {
     double c = (double)l->mAttenuationConstant, k = (double)l->mAttenuationLinear;
     double q = (double)l->mAttenuationQuadratic;
     if (c == 0 && k == 1 && q == 0) return 1;
+    if (k == 0 && q == 0 && mesh_is_read_by(m, "Autodesk FBX")) return 1;
     double by = c + k * distance + q * distance * distance;
     return mesh_is_length(by) ? 1 / by : 1;
 }
 
 /* Adds a light, if it shines. False if its numbers are unusable. */
-static bool add(struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *sum)
+static bool add(
+    struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *most, double *sum)
 {
     struct light out = {.own_colour = true};
     double fade = 1;
@@ -37,7 +40,7 @@ static bool add(struct mesh *m, const struct aiLight *l, const struct mesh_frame
     } else {
         out.pos = mesh_frame_point(f, mesh_vec(l->mPosition));
         if (!mesh_is_place(out.pos)) return false;
-        fade = fading(l, v3_len(v3_sub(out.pos, centre(m))));
+        fade = fading(m, l, v3_len(v3_sub(out.pos, centre(m))) / m->unit);
     }
     const struct aiColor3D *c = &l->mColorDiffuse;
     out.r = fmax(0, fade * (double)c->r);
@@ -45,11 +48,12 @@ static bool add(struct mesh *m, const struct aiLight *l, const struct mesh_frame
     out.b = fmax(0, fade * (double)c->b);
     if (!isfinite(out.r) || !isfinite(out.g) || !isfinite(out.b)) return false;
     *sum += largest(&out);
+    *most = fmax(*most, largest(&out));
     if (largest(&out) > 0) m->lights[m->n_lights++] = out;
     return true;
 }
 
-/* Candela and lux become shares of the light at the centre. */
+/* Candela, lux and watts become shares of the light at the centre. */
 static void scale(struct mesh *m, double factor)
 {
     for (uint32_t i = 0; i < m->n_lights; i++) {
@@ -79,7 +83,7 @@ static void add_two(struct mesh *m)
 void mesh_lights_find(struct mesh *m)
 {
     const struct aiScene *s = m->scene;
-    double sum = 0;
+    double most = 0, sum = 0;
     m->lights = xcalloc(s->mNumLights + 2, sizeof *m->lights);
     for (unsigned i = 0; i < s->mNumLights; i++) {
         const struct aiLight *l = s->mLights[i];
@@ -90,8 +94,8 @@ void mesh_lights_find(struct mesh *m)
         case aiLightSource_DIRECTIONAL: break;
         default: m->loss[LOSS_AMBIENTS].n++; continue;
         }
-        if (!add(m, l, &m->light_places[i].frame, &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
+        if (!add(m, l, &m->light_places[i].frame, &most, &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
     }
     if (!m->n_lights) add_two(m);
-    else scale(m, mesh_is_gltf(m) && mesh_is_length(sum) ? 1 / sum : 1);
+    else scale(m, (mesh_is_gltf(m) || most > 1) && mesh_is_length(sum) ? 1 / sum : 1);
 }

@@ -13,6 +13,8 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
     [LOSS_COLOURS] = {"meshes with colours at their vertices", "each face has their mean", 0},
+    [LOSS_UNREAD_COLOURS] = {"colours of a PLY's faces, or of other names than red, green and blue",
+        "left out", 0},
     [LOSS_BONES] = {"meshes with bones", "written as they rest", 0},
     [LOSS_MORPHS] = {"meshes with morph targets", "written as they rest", 0},
     [LOSS_ANIMATIONS] = {"animations", "left out", 0},
@@ -45,6 +47,7 @@ void mesh_losses_find(struct mesh *m)
 {
     memcpy(m->loss, names, sizeof names);
     m->loss[LOSS_LIBRARIES].n = m->lost_libraries;
+    m->loss[LOSS_UNREAD_COLOURS].n = m->lost_colours;
     m->loss[LOSS_ANIMATIONS].n = m->scene->mNumAnimations;
     for (unsigned i = 0; i < m->scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = m->scene->mMeshes[i];

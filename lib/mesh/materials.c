@@ -100,11 +100,13 @@ void mesh_materials_find(struct mesh *m)
 {
     const struct aiScene *s = m->scene;
     bool *used = mesh_materials_used(m);
+    const bool x3d = mesh_is_read_by(m, "Extensible 3D"); /* its shininess is from 0 to 1 */
     m->materials = xcalloc(s->mNumMaterials + 1, sizeof *m->materials);
     for (unsigned i = 0; i < s->mNumMaterials; i++) {
         const struct aiMaterial *from = s->mMaterials[i];
         struct vec3 glow;
         m->materials[i] = translate(from);
+        if (x3d) m->materials[i].shine = fmin(m->materials[i].shine * 128, SHINE_MAX);
         if (!used[i]) continue;
         m->loss[LOSS_TEXTURES].n += has_texture(from);
         m->loss[LOSS_EMISSION].n +=

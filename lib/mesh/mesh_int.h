@@ -22,6 +22,7 @@ enum mesh_loss_kind {
     LOSS_EMISSION,
     LOSS_METAL,
     LOSS_COLOURS,
+    LOSS_UNREAD_COLOURS,
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
@@ -128,6 +129,7 @@ struct mesh {
     size_t n_pictures;
     uint64_t picture_room_px; /* for those that are not read yet */
     struct vec3 lo, hi;       /* bounds of the faces */
+    double unit;              /* of the file, in the scene's; lights fade by distances in it */
     int digits;               /* of coordinates far from the origin; 0: single precision will do */
     struct view view;
     struct light *lights; /* own_colour is set */
@@ -139,6 +141,8 @@ struct mesh {
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
+    bool lost_corners;       /* an OBJ has corners with numbers that it does not read */
+    bool lost_colours;       /* what only the header of a PLY says: it has some that are not read */
 };
 
 /* Fills parts and frames from the tree of nodes. False with err if there are too many faces. */

@@ -7,7 +7,7 @@ rounds=${ROUNDS:-3} size=${SIZE:-1280x960} slots=${SLOTS:-$("$root/tests/process
 scene=${SCENE:-/usr/share/doc/povray/examples/advanced/teapot/teapot.pov} words=${WORDS:-+A0.1 +AM2}
 name=$(basename "$scene") width=${size%x*} height=${size#*x}
 mkdir files bands
-povworker -p "$scene" | tail -n +2 | tar -C files -xf - 2>/dev/null || stop "$scene: cannot be unpacked"
+povworker -l "$scene" | xargs -d '\n' pack files | tail -n +2 | tar -C files -xf - 2>/dev/null || stop "$scene: cannot be unpacked"
 export tmp name words width height
 # one Y1 Y2: POV-Ray's picture of these rows
 cat >one <<'END'

@@ -13,7 +13,7 @@ rounds=${ROUNDS:-3} size=${SIZE:-800x600} bands=${BANDS:-12}
 scene=${SCENE:-/usr/share/doc/povray/examples/advanced/teapot/teapot.pov} words=${WORDS:-+A0.1 +AM2}
 name=$(basename "$scene") width=${size%x*} height=${size#*x}
 mkdir files
-povworker -p "$scene" | tail -n +2 | tar -C files -xf - 2>/dev/null || stop "$scene: cannot be unpacked"
+povworker -l "$scene" | xargs -d '\n' pack files | tail -n +2 | tar -C files -xf - 2>/dev/null || stop "$scene: cannot be unpacked"
 # shellcheck disable=SC2086  # a word each
 (cd files && povray "+I$name" -A +FN $words "+W$width" "+H$height" -D "+O$tmp/threads.png" 2>"$tmp/said") || stop 'povray failed'
 
