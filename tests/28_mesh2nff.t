@@ -657,8 +657,11 @@ echo 'f 1 2 3' >>line.obj
 refused line.obj 'line.obj: has no usable face with an area, expected one at least$'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\n' >points.obj
 printf '%s\n' ply 'format ascii 1.0' 'element vertex 2' 'property float x' 'property float y' 'property float z' end_header '0 0 0' '1 0 0' >cloud.ply
-printf 'v 0 0 0\nv .5 0 0\nv 1 0 0\nv 0 1 0\nv 7 7 7\nf 1 3 4\n' >bare.obj
-refused bare.obj 'bare.obj: has numbers such as .5 in lines v or vt, expected 0.5 for libassimp$'
+printf 'v 0 0 0\nv .5 0 0\nv 1 0 -.5\nv 0 1 0\nv\t7 7\t.25\nvn .6 .0 .8\nf 2 5 3\n' >bare.obj
+for file in bare.obj -; do
+	run mesh2nff "$file" <bare.obj
+	is "numbers of an OBJ such as .5: $file" "$status:$(faces | grep '^p')" '0:p 3 0.5 0 0 7 7 0.25 1 0 -0.5'
+done
 refused cloud.ply 'cloud.ply: has 2 points and 0 lines but no face'
 head -c 120 bytes.stl >torn.stl
 refused torn.stl 'torn.stl: neither STL in text nor an STL whose length is that of its facets$'

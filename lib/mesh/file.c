@@ -94,22 +94,6 @@ static const char *passed_over(FILE *f)
     return found;
 }
 
-/* True if a corner of an OBJ has a number such as .5: libassimp leaves it out, and faces get
- * others. */
-static bool has_bare_points(FILE *f)
-{
-    char *line = NULL;
-    size_t room = 0;
-    ptrdiff_t n;
-    bool found = false;
-    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n)) {
-        const size_t lead = strncmp(line, "vt", 2) == 0 ? 2 : *line == 'v';
-        found = lead && strchr(" \t", line[lead]) && (strstr(line, " .") || strstr(line, "\t."));
-    }
-    free(line);
-    return found;
-}
-
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
@@ -118,7 +102,7 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     rewind(f);
     const char *extension = passed_over(f);
     rewind(f);
-    m->lost_corners = has_bare_points(f);
+    m->bare_points = mesh_bare_points(f);
     fclose(f);
     if (extension)
         return err_set(
@@ -148,7 +132,10 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
+    char *whole = m->bare_points ? mesh_numbers_whole(data, &n) : NULL;
+    if (whole) data = (const unsigned char *)whole;
     m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
+    free(whole);
     return m->scene || refused(err);
 }
 
@@ -173,7 +160,8 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
-    m->scene = mesh_file_marked(path) ? mesh_import_unmarked(path) : aiImportFile(path, 0);
+    m->scene =
+        m->bare_points || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
     return m->scene || refused(err);
 }
 
@@ -234,8 +222,6 @@ static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
     aiAttachLogStream(&log);
     bool ok = import(path, m, err);
     aiDetachLogStream(&log);
-    if (m->lost_corners && (!m->scene || mesh_is_read_by(m, "Wavefront")))
-        return err_set(err, "has numbers such as .5 in lines v or vt, expected 0.5 for libassimp");
     if (ok && m->lost_end) return err_set(err, "ends too early, expected a whole file");
     if (ok && m->lost_vertex)
         return err_set(err, "a face has a corner that is not there, expected all corners");

@@ -1,4 +1,5 @@
-/* mark: files through libassimp without the byte order mark that some programs write first. */
+/* mark: files through libassimp without what it does not read: the byte order mark that some
+ * programs write first, and numbers of an OBJ such as .5, whose corner it leaves out. */
 #include "mesh/mesh_int.h"
 
 #include <assimp/cfileio.h>
@@ -28,6 +29,63 @@ bool mesh_file_marked(const char *path)
     const bool marked = f && pass_mark(f);
     if (f) fclose(f);
     return marked;
+}
+
+/* ---- numbers such as .5 ---------------------------------------------------------------------- */
+
+/* True of the point of such a number, in a line that begins with v. */
+static bool is_bare(const char *line, size_t i)
+{
+    return *line == 'v' && i > 1 && line[i] == '.' && (line[i - 1] == ' ' || line[i - 1] == '\t') &&
+           line[i + 1] >= '0' && line[i + 1] <= '9';
+}
+
+bool mesh_bare_points(FILE *f)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ptrdiff_t n;
+    bool found = false;
+    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n))
+        for (size_t i = 0; i < (size_t)n; i++) found = found || is_bare(line, i);
+    free(line);
+    return found;
+}
+
+/* Copies all that is left, with a 0 before such points. */
+static void copy_whole(FILE *from, FILE *to)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ptrdiff_t n;
+    while ((n = getline(&line, &room, from)) > 0)
+        for (size_t i = 0; i < (size_t)n; i++) {
+            if (is_bare(line, i)) putc('0', to);
+            putc(line[i], to);
+        }
+    free(line);
+}
+
+char *mesh_numbers_whole(const unsigned char *data, size_t *n)
+{
+    char *copy = NULL;
+    FILE *from = fmemopen((void *)(uintptr_t)data, *n, "rb"), *to = open_memstream(&copy, n);
+    if (!from || !to) die(ST_SYSTEM, "memory:");
+    copy_whole(from, to);
+    fclose(from);
+    if (fclose(to) != 0) die(ST_SYSTEM, "memory:");
+    return copy;
+}
+
+/* In the place of f, which is closed. */
+static FILE *whole_file(FILE *f)
+{
+    FILE *copy = tmpfile();
+    if (!copy) die(ST_SYSTEM, "a temporary file:");
+    copy_whole(f, copy);
+    fclose(f);
+    if (fflush(copy) != 0) die(ST_SYSTEM, "a temporary file:");
+    return copy;
 }
 
 /* ---- files as libassimp asks for them -------------------------------------------------------- */
@@ -67,6 +125,9 @@ static struct aiFile *open_source(struct aiFileIO *io, const char *path, const c
     FILE *f = strchr(mode, 'w') ? NULL : fopen(path, "rb");
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
+    const bool bare = mesh_bare_points(f);
+    rewind(f);
+    if (bare) f = whole_file(f);
     const long end = fseek(f, 0, SEEK_END) == 0 ? ftell(f) : 0;
     rewind(f);
     s->f = f;
@@ -84,7 +145,7 @@ static void close_source(struct aiFileIO *io, struct aiFile *file)
     free(s);
 }
 
-const struct aiScene *mesh_import_unmarked(const char *path)
+const struct aiScene *mesh_import_mended(const char *path)
 {
     struct aiFileIO io = {open_source, close_source, NULL};
     return aiImportFileEx(path, 0, &io);

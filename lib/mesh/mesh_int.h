@@ -137,11 +137,11 @@ struct mesh {
     struct mesh_loss loss[LOSSES + 1];
     char turned[128];     /* what mesh_turned returns */
     char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
+    bool bare_points;     /* an OBJ has numbers such as .5 */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
-    bool lost_corners;       /* an OBJ has corners with numbers that it does not read */
     bool lost_colours;       /* what only the header of a PLY says: it has some that are not read */
 };
 
@@ -172,8 +172,12 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
  * its length, 3 or 0. (mark.c) */
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
 bool mesh_file_marked(const char *path);
-/* aiImportFile of a file with such a mark, which is passed over. */
-const struct aiScene *mesh_import_unmarked(const char *path);
+/* Has an OBJ numbers such as .5? libassimp leaves out a corner with one. */
+bool mesh_bare_points(FILE *f);
+/* A copy with 0.5 for .5, of *n bytes; the caller frees it. */
+char *mesh_numbers_whole(const unsigned char *data, size_t *n);
+/* aiImportFile of a file with such a mark, which is passed over, or such numbers. */
+const struct aiScene *mesh_import_mended(const char *path);
 
 /* What the colour of a face's material is multiplied by. */
 struct mesh_colour {

@@ -461,7 +461,7 @@ static void test_opt_back(void **state)
 {
     (void)state;
     struct image_backs backs = {.n = 0};
-    image_opt_back('b', "/nonexistent/%03d.png", &backs);
+    image_opt_back('b', "/nonexistent/%03d.png", false, &backs);
     assert_int_equal(backs.n, 1);
     image_backs_free(&backs);
 }
