@@ -1,7 +1,7 @@
 #!/bin/sh
 # 74_dead: 200 hosts that do not answer (DEAD) and four test hosts (tests/README) with sshd, in a shuffled order: seconds from
 # the command to the first pixels, and to the picture, by `balance adaptive -S`, beside the run without the dead ones. Medians
-# of ROUNDS (3). Dead hosts are addresses of the same network that nobody has. Target: 3 s more at most.
+# of ROUNDS (3). Dead hosts are addresses of the same network without a machine. Target: 3 s more at most.
 hosts=$(cd "$(dirname "$0")/.." && pwd)/hosts
 why=$("$hosts" check 2>&1) || { echo "74_dead: no test hosts: $why"; exit 0; }
 [ -n "${TEST_HOSTS-}" ] || exec "$hosts" with 4 "$0" "$@"
