@@ -49,7 +49,8 @@ static void draw(struct drawing *s, struct backdrop_lines *lines, unsigned parts
         mark_begin(s->list, BACKDROP_EDGES, FRAME, 1);
         backdrop_edges(s);
     }
-    for (int i = 0; parts & BACKDROP_RAISED && i < lines->n_heights; i++) {
+    const int n_heights = lines && parts & BACKDROP_RAISED ? lines->n_heights : 0;
+    for (int i = 0; i < n_heights; i++) {
         drawing_raise(s, i + 1, lines->height[i]);
         s->list->boxed = true;
         lines_and_places(s, lines);
