@@ -80,6 +80,8 @@ if [ -n "$(command -v gnuplot)" ]; then
 	balance adaptive -j 1 -s 480x360 -m lines -o over.png a.vtk slice.spec
 	ok 'isolines of a slice are over it, where balance has them' imgcmp -t .2 -f .003 shot.png over.png
 	balance adaptive -j 1 -s 480x360 -m none: -o under.png a.vtk slice.spec
+	look '0 key a;0 rest;0 shot bare.png' -s 480x360 -m lines a.vtk slice.spec
+	is 'they are there without axes, too' "$status$err" 0
 	is 'without them the picture is another one' "$(imgcmp -t .2 -f .003 shot.png under.png >compared; echo $?)" 1
 else skip 'isolines of a slice' 'there is no gnuplot'; fi
 look '0 rest;0 key ?;0 rest;0 shot help.png;0 key ?;0 rest;0 shot none.png' -s 400x500 a.vtk look.spec

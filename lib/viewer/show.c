@@ -95,7 +95,6 @@ static void paint_back(struct viewer *v)
 {
     struct backdrop_names names;
     char time[BACKDROP_TIME];
-    const size_t n = (size_t)v->w * (v->h + v->strip);
     if (!parts(v) || v->subject.scene) {
         free(v->back);
         free(v->front);
@@ -103,7 +102,8 @@ static void paint_back(struct viewer *v)
         return;
     }
     const struct backdrop b = describe(v, &names, time);
-    v->back = xrealloc(v->back, (size_t)v->w * (v->h + backdrop_strip(&b)), sizeof *v->back);
+    const size_t n = (size_t)v->w * (v->h + backdrop_strip(&b)); /* also without axes */
+    v->back = xrealloc(v->back, n, sizeof *v->back);
     if (!paint_backdrop(v->paint, &b, parts(v), v->back)) memset(v->back, 0, n * sizeof *v->back);
     free(v->front);
     v->front = NULL;
