@@ -170,12 +170,13 @@ grep -nE '^#define [A-Z_]*(LATE|SILEN|GRACE|BEAT|RETRY|PATIEN|HELLO|DEAD|GIVE_UP
 	grep -vE '^lib/(patience|sim)/' | grep -v 'PATIENCE_' >"$found"
 clean 'patience is stated in lib/patience/patience.h'
 
+# Where a C file includes it first, that file has shown it.
 for dir in lib/*/; do
-	module=$(basename "$dir")
+	module=${dir#lib/} && module=${module%/}
 	[ "$module" != chart ] || continue # scripts
 	[ -e "$dir$module.h" ] || { echo "$dir: has no $module.h"; continue; }
-	echo "#include \"$module/$module.h\"" |
-		cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only -Ilib -x c - 2>&1
+	awk -v header="\"$module/$module.h\"" 'FNR == 1 { seen = FILENAME !~ /c$/ } /^[ \t]*#[ \t]*include/ && !seen++ && $2 == header { found = 1; exit } END { exit !found }' "$dir"*.[ch] ||
+		echo "#include \"$module/$module.h\"" | cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only -Ilib -x c - 2>&1
 done >"$found"
 clean 'every public header compiles alone'
 
@@ -289,56 +290,98 @@ for c in bin/*.c; do grep -q 'close_stdout()' "$c" || grep -q 'worker_run\|drive
 clean 'every program checks that its output was written'
 
 # ---- options: getopt, usage and man page say the same --------------------------------------------------------
-letters() { grep -o . | grep '[A-Za-z0-9]' | sort -u | tr -d '\n'; }
-by_getopt() {
-	case $1 in
-	*.c) sed -nE 's/" WORKER_OPTIONS/cf:"/; s/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
-	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
-	esac | letters
+# ask NAME COMMAND ...: prints NAME with the status of a command, and with each line of its output and of its errors
+ask() {
+	asked=$1
+	shift
+	"$@" </dev/null >"$tmp/stdout" 2>"$tmp/stderr"
+	echo "$asked status $?"
+	sed "s|^|$asked stdout |" "$tmp/stdout"
+	sed "s|^|$asked stderr |" "$tmp/stderr"
 }
-by_argument() { # the letters that take one
-	case $1 in
-	*.c) sed -nE 's/" WORKER_OPTIONS/cf:"/; s/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
-	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
-	esac | grep -o '[A-Za-z0-9]:' | tr -d :
-}
-by_usage() {
-	"$1" -h | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
-}
-by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
-programs=$(for p in bin/*; do case $p in bin/balance-* | *.sh) ;; *) basename "$p" .c ;; esac; done | sort -u)
-for program in $programs; do
-	source=bin/$program.c page=man/$program.1
-	[ -e "$source" ] || source=bin/$program
-	options=$(by_getopt "$source")
-	"$program" -h >"$tmp/usage" 2>"$tmp/stderr" || echo "$source:1: -h exits $?"
-	[ ! -s "$tmp/stderr" ] || echo "$source:1: -h writes to stderr"
-	[ "$(by_usage "$program")" = "$options" ] || echo "$source:1: getopt has \"$options\", -h says \"$(by_usage "$program")\""
-	[ -e "$page" ] || continue
-	[ "$(by_page "$page")" = "$options" ] || echo "$page:1: getopt has \"$options\", the page \"$(by_page "$page")\""
-done >"$found"
+all=$(find bin/ -type f -perm -1 -exec basename {} \;)
+for program in $all; do
+	for option in -h --help --version; do ask "$program $option" "$program" $option; done
+done >"$tmp/answers"
+# Letters of getopt, and those of them that take an argument; of usage; and of the page
+{
+	# shellcheck disable=SC2046  # a word each
+	awk 'function take(options, i, letter) {
+		for (i = 1; i <= length(options); i++) {
+			letter = substr(options, i, 1)
+			if (letter ~ /[A-Za-z0-9]/) print "getopt", name, letter
+			if (substr(options, i + 1, 1) == ":" && letter ~ /[A-Za-z0-9]/) print "argument", name, letter
+		}
+	}
+	FNR == 1 { name = FILENAME; sub(/.*\//, "", name); sub(/[.]c$/, "", name); print "source", name, FILENAME }
+	{ gsub(/" WORKER_OPTIONS/, "cf:\"") }
+	match($0, /getopt\(argc, argv, "[^"]*"/) || match($0, /getopts [A-Za-z0-9:]+ /) { take(substr($0, RSTART, RLENGTH) ~ /"/ ? substr($0, RSTART + 20, RLENGTH - 21) : substr($0, RSTART + 8, RLENGTH - 9)) }
+	' $(for p in bin/*; do case $p in *.c | *.sh) echo "$p" ;; *) [ -e "$p.c" ] || echo "$p" ;; esac; done)
+	awk '$2 == "-h" && $3 == "stdout" {
+		name = $1
+		$1 = $2 = $3 = ""
+		while (match($0, /[[ |]-[A-Za-z0-9]+/)) {
+			for (i = RSTART + 2; i < RSTART + RLENGTH; i++) print "usage", name, substr($0, i, 1)
+			$0 = substr($0, RSTART + RLENGTH)
+		}
+	}' "$tmp/answers"
+	awk 'FNR == 1 { name = FILENAME; sub(/.*\//, "", name); sub(/[.]1$/, "", name); print "paged", name }
+	taken { print "page", name, $2; taken = 0 }
+	/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print "page", name, $i }
+	/^\.It Xo/ { taken = 1 }' man/*.1
+} | sort -u >"$tmp/letters"
+programs=$(for p in bin/*; do case $p in bin/balance-* | *.sh) ;; *) p=${p##*/} && echo "${p%.c}" ;; esac; done | sort -u)
+# shellcheck disable=SC2086  # a word each
+{
+	printf '%s\n' $programs | awk -v answers="$tmp/answers" '
+	function letters(kind, name, i, c, all, found) {
+		all = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+		for (i = 1; i <= length(all); i++) if ((kind, name, c = substr(all, i, 1)) in has) found = found c
+		return found
+	}
+	FNR == NR { has[$1, $2, $3]; if ($1 == "source") source[$2] = $3; paged[$2] = paged[$2] || $1 == "paged"; next }
+	(options = letters("getopt", $1)) != letters("usage", $1) { print source[$1] ":1: getopt has \"" options "\", -h says \"" letters("usage", $1) "\"" }
+	paged[$1] && options != letters("page", $1) { print "man/" $1 ".1:1: getopt has \"" options "\", the page \"" letters("page", $1) "\"" }
+	' "$tmp/letters" -
+	[ "$(grep -c '^argument' "$tmp/letters")" -gt 99 ] || echo 'options are not found in the sources'
+} >"$found"
 clean 'getopt, -h and man page name the same options'
 
-all=$(find bin/ -type f -perm -1 -exec basename {} \;)
 version=$(sed -n 's/^#define STORMRING_VERSION "\(.*\)"/\1/p' lib/base/base.h)
-for program in $all; do
-	for option in -h --help; do
-		"$program" $option >"$tmp/usage.$option" 2>&1 || echo "$program: $option exits $?"
-	done
-	cmp "$tmp/usage.-h" "$tmp/usage.--help"
-	"$program" --version >"$tmp/said" 2>&1 || echo "$program: --version exits $?"
-	case $program in protocol*) name=protocol ;; *) name=$program ;; esac
-	[ "$(cat "$tmp/said")" = "$name $version" ] || echo "$program: --version says $(cat "$tmp/said"), expected $name $version"
-done >"$found" 2>&1
+awk -v version="$version" '
+{ what = $1 " " $2; text = substr($0, length(what " " $3) + 2) }
+$3 == "status" && $4 != 0 { print what ": exits " $4 }
+$3 == "stderr" { print what ": says " text }
+$3 == "stdout" && $2 != "--version" { said[$1, $2] = said[$1, $2] text "\n"; asked[$1] }
+$3 == "stdout" && $2 == "--version" {
+	expected = ($1 ~ /^protocol/ ? "protocol" : $1) " " version
+	if (text != expected) print what ": says " text ", expected " expected
+	versions[$1]
+}
+END {
+	for (name in asked) {
+		if (said[name, "-h"] != said[name, "--help"]) print name ": -h and --help differ"
+		if (!(name in versions)) print name ": --version says nothing"
+	}
+}' "$tmp/answers" >"$found"
 clean 'every program answers --help and --version'
 for program in $all; do
 	for option in -h --help --version; do
 		"$program" $option 2>"$tmp/stderr" >/dev/full
-		[ $? -eq 3 ] || echo "$program: $option to a full disk does not exit 3"
-		grep -c . "$tmp/stderr" | grep -qx 1 || echo "$program: $option to a full disk says $(cat "$tmp/stderr"), expected one line"
-		grep -q "^[a-z0-9-]*: standard output: " "$tmp/stderr" || echo "$program: $option to a full disk says $(cat "$tmp/stderr")"
+		echo "$program $option status $?"
+		sed "s|^|$program $option stderr |" "$tmp/stderr"
 	done
-done >"$found"
+done >"$tmp/answers"
+# wrong STATUS ERE: of $tmp/answers, what has another status, an output, or not one line of errors that matches
+wrong() {
+	awk -v status="$1" -v ere="$2" '
+	{ what = $1 " " $2 }
+	$3 == "status" { if ($4 != status) print what ": exits " $4 ", expected " status; seen[what] }
+	$3 == "stdout" { print what ": says " $0 }
+	$3 == "stderr" { text = $0; sub(/^[^ ]* [^ ]* stderr /, "", text); if (lines[what]++ || text !~ ere) print what ": says " text ", expected one line: " ere }
+	END { for (what in seen) if (!(what in lines)) print what ": says nothing, expected one line" }' "$tmp/answers"
+}
+wrong 3 '^[a-z0-9-]*: standard output: ' >"$found"
 clean '-h to a full disk exits 3, and one line says so'
 for command in 'fan -j 1' deal ringctl 'ringctl -n'; do
 	[ "$(PATH=$tmp:$PATH; printf '#!/bin/sh\necho said "$@"\n' >"$tmp/other"; chmod +x "$tmp/other"
@@ -349,19 +392,15 @@ clean 'options of a command belong to the command'
 for program in $all; do
 	case $program in balance*) method=masterslave ;; *) method='' ;; esac
 	case $program in balance-calibrate | balance-bricks | balance) ;; balance-*) continue ;; esac
-	source=bin/$program.c
-	[ -e "$source" ] || source=bin/$program
 	case $program in balance-calibrate | balance-bricks) method='' ;; esac
-	for option in $(by_argument "$source"); do
+	taking=$(awk -v name="$program" '$1 == "argument" && $2 == name { print $3 }' "$tmp/letters")
+	for option in $taking; do
 		case $program,$option in balance*,W | job,W | simulate,[kq]) continue ;; esac # of a worker, of a method
 		# shellcheck disable=SC2086  # none, or a word
-		timeout 10 "$program" $method -"$option" -h </dev/null >"$tmp/stdout" 2>"$tmp/stderr"
-		case $? in 2) ;; *) echo "$program: -$option -h exits with another status than 2" ;; esac
-		[ ! -s "$tmp/stdout" ] || echo "$program: -$option -h says $(head -n 1 "$tmp/stdout")"
-		[ "$(grep -c . "$tmp/stderr")" = 1 ] && grep -q ": -$option -h: .*expected" "$tmp/stderr" ||
-			echo "$program: -$option -h says $(cat "$tmp/stderr"), expected one line"
+		ask "$program -$option" timeout 10 "$program" $method -"$option" -h
 	done
-done >"$found"
+done >"$tmp/answers"
+wrong 2 ': -. -h: .*expected' >"$found"
 clean 'an option in the place of an argument is refused in one line'
 for program in $programs; do
 	"$program" -'?' >"$tmp/stdout" 2>"$tmp/stderr"
@@ -397,13 +436,11 @@ if there mandoc groff; then
 else
 	skip 'the form of pages' "$missing is not there"
 fi
-for page in man/*.[1-9]; do
-	sections='NAME DESCRIPTION EXAMPLES SEE_ALSO'
-	case $page in *.1) sections='NAME SYNOPSIS DESCRIPTION EXIT_STATUS EXAMPLES SEE_ALSO' ;; esac
-	for section in $sections; do
-		grep -qx "\.Sh $(echo "$section" | tr _ ' ')" "$page" || echo "$page:1: has no section $section"
-	done
-done >"$found"
+awk '
+function check(i) { for (i = 1; i <= n; i++) if (!(want[i] in has)) print page ":1: has no section " want[i] }
+FNR == 1 { check(); split("", has); page = FILENAME; n = split("NAME,DESCRIPTION,EXAMPLES,SEE ALSO" (page ~ /1$/ ? ",SYNOPSIS,EXIT STATUS" : ""), want, ",") }
+/^\.Sh / { has[substr($0, 5)] }
+END { check() }' man/*.[1-9] >"$found"
 clean 'every page has its sections'
 awk '$0 == ".Sh EXAMPLES" { within = 1; next } /^\.Sh/ { within = 0 }
 within && last == ".Ed" && /^[A-Z]/ { print FILENAME ":" FNR ": no .Pp before this paragraph" } { last = $0 }' man/*.[1-9] >"$found"
@@ -415,9 +452,10 @@ done >"$found"
 awk '/^\.Xr .* [1-9] , [a-z]/ { print FILENAME ":" FNR ": one .Xr has one page, expected a line for each" }' man/*.[1-9] >>"$found"
 clean 'pages refer to pages that exist'
 for page in man/*.[1-9]; do
-	name=$(basename "$page")
-	[ "$name" = stormring.7 ] || grep -qF "Xr ${name%.*} ${name##*.}" man/stormring.7 || echo "man/stormring.7:1: does not name $name"
-done >"$found"
+	name=${page#man/}
+	[ "$name" = stormring.7 ] || echo "Xr ${name%.*} ${name##*.}"
+done >"$tmp/names"
+awk 'FNR == NR { text = text "\n" $0; next } !index(text, $0) { print "man/stormring.7:1: does not name " $2 "." $3 }' man/stormring.7 "$tmp/names" >"$found"
 clean 'stormring(7) names every page'
 
 # ---- wire labels: names of records and keys are the same in code and in the pages of section 5 -----------------
