@@ -124,19 +124,32 @@ is 'a ring is refused' "$status $err" '2 fan: record `ring`: expected a worker f
 
 # ---- losses ----------------------------------------------------------------------------------------------------
 # A worker with several slots is the parent of those that render.
-parents() { for p in $(program rtworker); do case $(program rtworker | grep -cx "$(ps -o ppid= -p "$p" | tr -d ' ')") in 0) echo "$p" ;; esac; done; }
-renderers() { parents >parents; program rtworker | grep -vxf parents; }
+kin() { ps -o pid=,ppid= -p "$(program rtworker | paste -s -d , -)" 2>/dev/null | awk -v child="$1" '{ of[$1] = $2 } END { for (p in of) if ((of[p] in of) == child) print p }'; }
+parents() { kin 0; }
+renderers() { kin 1; }
 rendering() { [ "$(renderers | wc -l)" -ge "$1" ] || ! kill -0 "$pid"; }
-# A run is long enough that a worker which begins is killed before the end.
+# The last task is held back until the file go is there, so whatever the load, workers are killed before the end.
+all_in holding
+rm holding/partition
+cat >holding/partition <<END
+#!/bin/sh
+case \$* in *@-) exec '$root/bin/partition' "\$@" ;; esac # by which balance counts tasks
+'$root/bin/partition' "\$@" >'$tmp/held.tasks'
+sed '\$d' '$tmp/held.tasks'
+until [ -e '$tmp/go' ]; do sleep .05; done
+tail -n 1 '$tmp/held.tasks'
+END
+chmod +x holding/partition
 partition 128x128 | rtworker -a 400 2.nff | gather -o good.pfm
 # begun COMMAND ...: starts a run in the background
 begun() {
-	rm -f out.pfm log
-	env MARK=$mark balance adaptive "$@" -s 128x128 -W '-a 400' -r log -o out.pfm 2.nff 2>said &
+	rm -f out.pfm log go
+	env MARK=$mark PATH="$tmp/holding:$PATH" balance adaptive "$@" -s 128x128 -W '-a 400' -r log -o out.pfm 2.nff 2>said &
 	pid=$!
 }
 # ended NAME: the run ends well
 ended() {
+	: >go
 	status=0
 	wait "$pid" || status=$?
 	is "$1: exit 0" "$status" 0
@@ -165,7 +178,6 @@ begun -S two
 await 120 rendering 2
 # shellcheck disable=SC2046
 kill -KILL $(parents)
-: >go
 ended 'a killed worker of a host'
 like 'the other host takes over' "$(cat said)" '^fan: slots 2 to 3 on far: lost \((signal-9|exit-137)\) with [0-9]+ tasks'
 partition 128x128 >tasks
