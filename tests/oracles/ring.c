@@ -252,6 +252,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     s->given++;
     s->asking = s->told = s->passed = s->dry = s->flushed = false;
     part(w, m, a->slot);
+    t->given = m->n_given++;
     sim_ring_enter(w, m, t, RING_HELD, a->slot);
 }
 

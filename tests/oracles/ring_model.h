@@ -21,6 +21,7 @@ struct rtask {
     int64_t lost;   /* the number of the event in which its node was lost */
     int32_t base;   /* its owner; ORPHAN: its future owner, or that one's heir; -1: not known */
     int32_t from;   /* previous owner, if it was given away; else -1 */
+    int64_t given;  /* HELD: the number of the GIVE to its owner, of all */
     int32_t passes; /* times it was given away since a lost connection had it */
     uint64_t queued, fed;         /* the slot's node has it, not begun; the slot's worker has it */
     int64_t came[SIM_SLOTS_MOST]; /* order of arrival there, among all queued tasks */
@@ -64,6 +65,7 @@ struct ring_model {
     double most_px;          /* most pixels of a task */
     int32_t touched;         /* the slot of the latest event, -1: none */
     int64_t n_events;        /* so far */
+    int64_t n_given;         /* GIVEs so far */
     int32_t blames;          /* nodes lost over tasks before one was done; */
     bool well;               /* one was; */
     bool all_aside;          /* none was, and too many nodes were lost */

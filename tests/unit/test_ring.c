@@ -72,6 +72,14 @@ static void the_last_task_is_not_passed_round(void **state)
     }
 }
 
+/* In the step in which a node drains, an idle node takes over the late task that it computes. */
+static void a_late_task_of_a_node_that_drains_is_taken_over(void **state)
+{
+    (void)state;
+    struct sim_result r;
+    assert_true(try_seed(3001102, &r));
+}
+
 /* A simulation that meets no fault proves nothing. */
 static void faults_of_every_kind_happened(void **state)
 {
@@ -330,6 +338,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_seed_commits_each_task_once_and_ends),
         cmocka_unit_test(the_last_task_is_not_passed_round),
+        cmocka_unit_test(a_late_task_of_a_node_that_drains_is_taken_over),
         cmocka_unit_test(faults_of_every_kind_happened),
         cmocka_unit_test(a_seed_is_one_run_exactly),
         cmocka_unit_test(work_is_spread_over_unequal_hosts),
