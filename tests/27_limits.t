@@ -95,6 +95,8 @@ for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate 
 	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
 		"^3:[a-z]+(-calibrate)?: $tmp/none: cannot make a directory there, expected TMPDIR to name a writable directory(, no line end in its name)?$"
 done
+run env PATH="$tmp/none" /bin/sh "$BIN/balance" adaptive gears.nff
+is 'a PATH without tools: exit 2, and a line' "$status:$err" '2:balance: dirname is not there, expected it and other tools of the system on the PATH'
 mkdir "$(printf 'a\nb')"
 run env TMPDIR="$(printf 'a\nb')" balance adaptive -v 1 -S :,: -s 8x8 -o o.png gears.nff
 like 'a line end in TMPDIR, whose hosts file would be lines: exit 3, and a line' "$status:$err" '^3:balance: a[?]b: cannot make'

@@ -51,4 +51,20 @@ for where in '-j 3' '-S hosts'; do
 	[ "$where" = '-j 3' ] || like 'their last words are named' "$(grep '^deal: ' said)" '[ab] [(](exit-137|signal-9)[)], it says: no memory here'
 	ok "workers that die $where: no slot is given up" [ "$(grep -c 'no slot left' said)" = 0 ]
 done
+# As an uncaught exception of Python ends: with status 1. With 2 a worker refuses its input, and is not started again.
+cat >raises <<'END'
+while IFS= read -r line; do
+	# shellcheck disable=SC2086  # its words
+	set -- $line
+	[ "$1" != task ] || [ "$5" -gt 10 ] || [ $(($5 + $7)) -le 10 ] || break
+	printf '%s\n' "$line"
+done | rtworker g.nff
+END
+for code in 1 2; do
+	{ cat raises; echo "exit $code"; } >"raises$code"
+	partition -u tile:16x4 16x16 | { deal -q 0 fan -j 2 sh "raises$code" 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
+	grep -q 'starting again' said && again=again || again=''
+	echo "$(cat status) $again$(grep '^deal: .* given up' said | cut -d, -f1)" >>raised
+done
+is 'workers that end with a status here: one row is given up; not with 2' "$(paste -sd '|' raised)" '1 againdeal: frame 0: 16x1+0+10: given up|3 '
 finish

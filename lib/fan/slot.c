@@ -16,7 +16,8 @@
  * A connection has failed if ssh exits with 255 or is killed, or if a slot on another machine is
  * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
  * Once a slot of the host was sent tasks, and while more may come, any status but 126 and 127
- * means that: a launcher whose job was ended chooses its own. Of a launcher other than ssh, any
+ * means that: a launcher whose job was ended chooses its own. On this machine it means that
+ * after the hello, unless a worker refuses its input (status 2). Of a launcher other than ssh, any
  * such status but 0 also means that before the first hello: a container may start later.
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
@@ -346,9 +347,10 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     bool done = code == ST_OK || (code == ST_PARTIAL && s->conn.connected); /* some may fail */
     bool well = s->conn.input_closed_first && !s->n_tasks && done;
-    bool runs = !s->host->here && code != NOT_RUN && code != NOT_FOUND, ssh = s->host->by_ssh;
-    bool worked = runs && f->in_open && (s->host->given || !ssh);
-    bool unready = runs && code && !ssh && !s->conn.connected;
+    bool here = s->host->here, ssh = s->host->by_ssh, runs = code != NOT_RUN && code != NOT_FOUND;
+    bool used = here ? s->conn.connected && code != ST_USAGE : s->host->given || !ssh;
+    bool worked = runs && f->in_open && used;
+    bool unready = runs && code && !here && !ssh && !s->conn.connected;
     bool connection = WIFSIGNALED(status) || worked || unready ||
                       (code == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->conn.connected && code == ST_SYSTEM);

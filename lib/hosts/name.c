@@ -30,14 +30,14 @@ static const char *without_user(const char *s)
 }
 
 /* A valid name is one word for every shell and in every record, and no program takes it for an
- * option. */
+ * option, nor a person for a directory: `.` and `..` are no hosts. */
 static bool name_valid(const char *s)
 {
     size_t n = strlen(s);
     if (strcmp(s, ":") == 0) return true;
     if (n > HOST_NAME_MOST || *s == '-' || *s == '@' || s[strspn(s, NAME_BYTES)]) return false;
     const char *host = without_user(s);
-    if (!*host || *host == '-' || strchr(host, '@')) return false;
+    if (!host[strspn(host, ".")] || *host == '-' || strchr(host, '@')) return false;
     return !strchr(s, ':') || is_ipv6(host, strlen(host));
 }
 
@@ -66,7 +66,8 @@ static void advise(char *to, const char *s, bool file)
     const char *host = without_user(s), *colon = strchr(host, ':'), *open = strchr(host, '['),
                *close = open ? strchr(open, ']') : NULL;
     const char *slots = file ? "a line `host slots=4`" : "`4/host`";
-    if (!*s && !file) snprintf(to, HOSTS_ERR, "a name before and after each comma");
+    if (!*s && !file)
+        snprintf(to, HOSTS_ERR, "a name before and after each comma, and after `4/`; `:` is here");
     else if (strstr(s, "://"))
         snprintf(
             to, HOSTS_ERR, "HOST or USER@HOST, without `ssh://`; a port goes into ~/.ssh/config");
@@ -83,7 +84,7 @@ static void advise(char *to, const char *s, bool file)
         snprintf(to, HOSTS_ERR, "HOST or USER@HOST; four slots are written %s", slots);
     else if (!file && strpbrk(s, " \t\n;"))
         snprintf(to, HOSTS_ERR, "commas between names, and no blanks");
-    else if (colon && colon[1] && !colon[1 + strspn(colon + 1, DIGITS)])
+    else if (colon && colon > host && colon[1] && !colon[1 + strspn(colon + 1, DIGITS)])
         advise_number(to, s, colon, file);
     else
         snprintf(to, HOSTS_ERR,
