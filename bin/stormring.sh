@@ -8,8 +8,12 @@ LC_ALL=C && export LC_ALL # so that awk and others read and write numbers with a
 printable() { awk '{ gsub(/[[:cntrl:]]|\302[\200-\237]/, "?"); print }'; }
 # say MESSAGE: prints it to standard error, in one line
 say() { printf %s "$1" | tr '\n' '?' | printable >&2; }
-# misused: prints the usage, and exits
+# misused [OPT LETTER]: says what getopts has found in OPT, if it was called, prints the usage, and exits
 misused() {
+	case ${1-} in
+	:) say "${0##*/}: option requires an argument -- '$2'" ;;
+	?) say "${0##*/}: invalid option -- '$2'" ;;
+	esac
 	printf '%s\n' "$usage" >&2
 	exit 2
 }

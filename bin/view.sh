@@ -6,7 +6,7 @@ while getopts :hj:m:s:S: opt; do
 	case $opt in
 	h) answer "$usage" ;;
 	j) slots=$OPTARG ;; m) lines=$OPTARG ;; s) size=$OPTARG ;; S) hosts=$OPTARG ;;
-	*) misused ;;
+	*) misused "$opt" "$OPTARG" ;;
 	esac
 done
 shift $((OPTIND - 1))

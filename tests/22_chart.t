@@ -177,6 +177,12 @@ for args in 'a.tsv b.tsv' '-L z times.tsv' '-o x.gif times.tsv' '-q times.tsv' '
 	run chart $args
 	is "usage: chart $args" "$status" 2
 done
+run chart -q times.tsv
+like 'a script names an option that it does not have' "$status $err" "^2 chart: invalid option -- 'q'"
+run chart -o
+like 'a script names an option that lacks its argument' "$status $err" "^2 chart: option requires an argument -- 'o'"
+run balance -j 2 adaptive scene.nff
+like 'balance: options before the method' "$status $err" '^2 balance: -j: expected a method before the options'
 status=0
 chart times.tsv >/dev/full 2>err.txt || status=$?
 is 'nowhere to write: status 3' "$status" 3
