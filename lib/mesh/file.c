@@ -102,7 +102,7 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     rewind(f);
     const char *extension = passed_over(f);
     rewind(f);
-    m->bare_points = mesh_bare_points(f);
+    m->odd_lines = mesh_odd_lines(f);
     fclose(f);
     if (extension)
         return err_set(
@@ -132,10 +132,10 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
-    char *whole = m->bare_points ? mesh_numbers_whole(data, &n) : NULL;
-    if (whole) data = (const unsigned char *)whole;
+    char *mended = m->odd_lines ? mesh_lines_mended(data, &n) : NULL;
+    if (mended) data = (const unsigned char *)mended;
     m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
-    free(whole);
+    free(mended);
     return m->scene || refused(err);
 }
 
@@ -161,7 +161,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
     m->scene =
-        m->bare_points || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
+        m->odd_lines || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
     return m->scene || refused(err);
 }
 

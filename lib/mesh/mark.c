@@ -1,5 +1,6 @@
 /* mark: files through libassimp without what it does not read: the byte order mark that some
- * programs write first, and numbers of an OBJ such as .5, whose corner it leaves out. */
+ * programs write first, and in an OBJ numbers such as .5, whose corner it leaves out, blanks before
+ * a word, comments behind numbers, and blanks behind the name of a material library. */
 #include "mesh/mesh_int.h"
 
 #include <assimp/cfileio.h>
@@ -31,58 +32,97 @@ bool mesh_file_marked(const char *path)
     return marked;
 }
 
-/* ---- numbers such as .5 ---------------------------------------------------------------------- */
+/* ---- lines of an OBJ ------------------------------------------------------------------------- */
 
-/* True of the point of such a number, in a line that begins with v. */
+/* True of the point of a number such as .5, in a line that begins with v. */
 static bool is_bare(const char *line, size_t i)
 {
     return *line == 'v' && i > 1 && line[i] == '.' && (line[i - 1] == ' ' || line[i - 1] == '\t') &&
            line[i + 1] >= '0' && line[i + 1] <= '9';
 }
 
-bool mesh_bare_points(FILE *f)
+/* The bytes of a line that libassimp reads: without blanks before the words below, a comment behind
+ * numbers, or blanks behind the name of a material library. The line's end follows them. */
+struct span {
+    size_t from, to, end;
+};
+
+static struct span span_of(const char *line, size_t n)
+{
+    static const struct {
+        const char *word;
+        bool numbers;
+    } words[] = {
+        {"v", true}, {"vn", true}, {"vt", true}, {"f", true}, {"usemtl", false}, {"mtllib", false}};
+    struct span s = {0, n, n};
+    const size_t lead = strspn(line, " \t"), word = strcspn(line + lead, " \t\r\n");
+    while (s.end > 0 && (line[s.end - 1] == '\n' || line[s.end - 1] == '\r')) s.end--;
+    s.to = s.end;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (word != strlen(words[i].word) || memcmp(line + lead, words[i].word, word) != 0)
+            continue;
+        const char *comment = words[i].numbers ? memchr(line, '#', s.end) : NULL;
+        s.from = lead;
+        if (comment) s.to = (size_t)(comment - line);
+        while (!words[i].numbers && strchr(" \t", line[s.to - 1])) s.to--;
+    }
+    return s;
+}
+
+static bool is_odd(const char *line, size_t n)
+{
+    const struct span s = span_of(line, n);
+    bool odd = s.from > 0 || s.to < s.end;
+    for (size_t i = s.from; i < s.to; i++) odd = odd || is_bare(line + s.from, i - s.from);
+    return odd;
+}
+
+bool mesh_odd_lines(FILE *f)
 {
     char *line = NULL;
     size_t room = 0;
     ptrdiff_t n;
     bool found = false;
     while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n))
-        for (size_t i = 0; i < (size_t)n; i++) found = found || is_bare(line, i);
+        found = is_odd(line, (size_t)n);
     free(line);
     return found;
 }
 
-/* Copies all that is left, with a 0 before such points. */
-static void copy_whole(FILE *from, FILE *to)
+/* Copies all that is left, with such lines mended. */
+static void copy_mended(FILE *from, FILE *to)
 {
     char *line = NULL;
     size_t room = 0;
     ptrdiff_t n;
-    while ((n = getline(&line, &room, from)) > 0)
-        for (size_t i = 0; i < (size_t)n; i++) {
-            if (is_bare(line, i)) putc('0', to);
+    while ((n = getline(&line, &room, from)) > 0) {
+        const struct span s = span_of(line, (size_t)n);
+        for (size_t i = s.from; i < s.to; i++) {
+            if (is_bare(line + s.from, i - s.from)) putc('0', to);
             putc(line[i], to);
         }
+        fwrite(line + s.end, 1, (size_t)n - s.end, to);
+    }
     free(line);
 }
 
-char *mesh_numbers_whole(const unsigned char *data, size_t *n)
+char *mesh_lines_mended(const unsigned char *data, size_t *n)
 {
     char *copy = NULL;
     FILE *from = fmemopen((void *)(uintptr_t)data, *n, "rb"), *to = open_memstream(&copy, n);
     if (!from || !to) die(ST_SYSTEM, "memory:");
-    copy_whole(from, to);
+    copy_mended(from, to);
     fclose(from);
     if (fclose(to) != 0) die(ST_SYSTEM, "memory:");
     return copy;
 }
 
 /* In the place of f, which is closed. */
-static FILE *whole_file(FILE *f)
+static FILE *mended_file(FILE *f)
 {
     FILE *copy = tmpfile();
     if (!copy) die(ST_SYSTEM, "a temporary file:");
-    copy_whole(f, copy);
+    copy_mended(f, copy);
     fclose(f);
     if (fflush(copy) != 0) die(ST_SYSTEM, "a temporary file:");
     return copy;
@@ -125,9 +165,9 @@ static struct aiFile *open_source(struct aiFileIO *io, const char *path, const c
     FILE *f = strchr(mode, 'w') ? NULL : fopen(path, "rb");
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
-    const bool bare = mesh_bare_points(f);
+    const bool odd = mesh_odd_lines(f);
     rewind(f);
-    if (bare) f = whole_file(f);
+    if (odd) f = mended_file(f);
     const long end = fseek(f, 0, SEEK_END) == 0 ? ftell(f) : 0;
     rewind(f);
     s->f = f;

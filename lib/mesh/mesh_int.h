@@ -137,7 +137,7 @@ struct mesh {
     struct mesh_loss loss[LOSSES + 1];
     char turned[128];     /* what mesh_turned returns */
     char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
-    bool bare_points;     /* an OBJ has numbers such as .5 */
+    bool odd_lines;       /* of an OBJ, which libassimp reads wrong */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
@@ -172,11 +172,11 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
  * its length, 3 or 0. (mark.c) */
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
 bool mesh_file_marked(const char *path);
-/* Has an OBJ numbers such as .5? libassimp leaves out a corner with one. */
-bool mesh_bare_points(FILE *f);
-/* A copy with 0.5 for .5, of *n bytes; the caller frees it. */
-char *mesh_numbers_whole(const unsigned char *data, size_t *n);
-/* aiImportFile of a file with such a mark, which is passed over, or such numbers. */
+/* Has an OBJ lines that libassimp reads wrong? mark.c says which. */
+bool mesh_odd_lines(FILE *f);
+/* A copy with such lines mended, of *n bytes; the caller frees it. */
+char *mesh_lines_mended(const unsigned char *data, size_t *n);
+/* aiImportFile of a file with such a mark, which is passed over, or such lines. */
 const struct aiScene *mesh_import_mended(const char *path);
 
 /* What the colour of a face's material is multiplied by. */
