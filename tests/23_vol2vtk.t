@@ -85,6 +85,9 @@ is 'NRRD: a component' "$(got -k 1 v.nrrd)" '4 12 15 24 21 40 35 1'
 is 'NRRD: the length of a vector' "$(got -k length v.nrrd)" '5 13 17 25 29 41 37 1'
 sed 's/kinds: .*/kinds: domain domain domain time/' v.nrrd >t.nrrd
 is 'NRRD: a time' "$(got -k 1 t.nrrd)" '20 21 9 40 12 35 0 1'
+{ printf '%s\n' NRRD0004 'type: short' 'dimension: 5' 'sizes: 3 2 1 2 1' 'spacings: 2 1 9 0.5 1' 'endian: little' 'encoding: raw' ''
+	cat short.raw; } >one.nrrd
+is 'NRRD: channels and times of one' "$(got one.nrrd):$(axes)" "$numbers:0 2 4:0 1:0 0.5"
 says v.nrrd '2 components, expected -k'
 
 { nrrd short little raw 'space directions: (1,0.02,0) (0,1,0) (0,0,1)' ''; cat short.raw; } >oblique.nrrd
@@ -136,7 +139,12 @@ meta MET_SHORT False False short.head 'HeaderSize = -1' >a.mhd
 is 'MetaImage: the end of a file' "$(got a.mhd)" "$numbers"
 { meta MET_SHORT False False LOCAL | sed 's/BinaryData = True/BinaryData = False/'; echo "$numbers"; } >a.mha
 is 'MetaImage: text' "$(got a.mha)" "$numbers"
-for case in 'NDims = 2|NDims: 2' 'DimSize = 3 2 1|1 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
+{ meta MET_SHORT False False LOCAL 'NDims = 4' 'DimSize = 3 2 2 2' 'Offset = 10 20 30 0' 'ElementSpacing = 2 1 0.5 9' \
+	'TransformMatrix = 1 0 0 0 0 -1 0 0 0 0 1 0 0 0 0 1'
+	cat short.raw; bytes i2 '<' 1 2 3 4 5 6 7 8 9 10 11 12; } >t.mha
+is 'MetaImage: the second time' "$(got -k 1 t.mha):$(axes)" '4 5 6 1 2 3 10 11 12 7 8 9:10 12 14:19 20:30 30.5'
+says t.mha '2 components, expected -k'
+for case in 'NDims = 2|NDims: 2' 'NDims = 4|DimSize' 'DimSize = 3 2 1|1 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
 	'CompressedData = True|could be unpacked' 'HeaderSize = 99|HeaderSize' 'ElementNumberOfChannels = 0|ElementNumberOfChannels' \
 	'ElementSpacing = 1 0 1|a step of 0' 'Offset = 1 2|Offset'; do
 	{ meta MET_SHORT False False LOCAL "${case%|*}"; cat short.raw; } >bad.mha

@@ -79,6 +79,16 @@ struct voxel_array *voxel_add(
     return a;
 }
 
+void voxel_slowest(const struct voxel *v, struct voxel_array *a)
+{
+    uint64_t stride = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        a->stride[axis] = stride;
+        stride *= voxel_side(v, a, axis);
+    }
+    a->component_stride = stride;
+}
+
 bool voxel_beside(struct voxel *v, const char *name)
 {
     char shown[ERR_PATH], path[4096];

@@ -86,16 +86,20 @@ static bool read_type(struct voxel *v, const char *text, struct voxel_type *t)
 }
 
 /* Space. A row of the matrix is the direction of an axis. */
-static bool place(struct voxel *v, const struct header *h)
+static bool place(struct voxel *v, const struct header *h, size_t dims)
 {
-    double spacing[3] = {1, 1, 1}, matrix[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    double spacing[4] = {1, 1, 1, 1}, origin[4] = {0}, matrix[16] = {0};
     const enum field size = *h->text[SPACING] ? SPACING : ELEMENT_SIZE;
-    if ((*h->text[size] && !voxel_reals(v, "ElementSpacing", h->text[size], 3, spacing)) ||
-        (*h->text[ORIGIN] && !voxel_reals(v, "Offset", h->text[ORIGIN], 3, v->origin)) ||
-        (*h->text[MATRIX] && !voxel_reals(v, "TransformMatrix", h->text[MATRIX], 9, matrix)))
+    for (size_t i = 0; i < dims; i++) matrix[dims * i + i] = 1;
+    if ((*h->text[size] && !voxel_reals(v, "ElementSpacing", h->text[size], dims, spacing)) ||
+        (*h->text[ORIGIN] && !voxel_reals(v, "Offset", h->text[ORIGIN], dims, origin)) ||
+        (*h->text[MATRIX] &&
+            !voxel_reals(v, "TransformMatrix", h->text[MATRIX], dims * dims, matrix)))
         return false;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) v->step[i][k] = matrix[3 * i + k] * spacing[i];
+    for (size_t i = 0; i < 3; i++) {
+        v->origin[i] = origin[i];
+        for (size_t k = 0; k < 3; k++) v->step[i][k] = matrix[dims * i + k] * spacing[i];
+    }
     if (strcasecmp(h->text[MODALITY], "MET_MOD_CT") == 0) snprintf(v->unit, sizeof v->unit, "HU");
     return true;
 }
@@ -126,22 +130,28 @@ static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_a
 
 static bool read_header(struct voxel *v, struct header *h)
 {
-    double dims = 0, size[3], channels = 1;
+    double dims = 0, size[4] = {1, 1, 1, 1}, channels = 1;
     struct voxel_type type = {0, 0};
     if (!read_lines(v, h) || !voxel_reals(v, "NDims", h->text[DIMS], 1, &dims)) return false;
-    if (dims != 3) return voxel_fail(v, "NDims: %g, expected 3", dims);
-    if (!voxel_reals(v, "DimSize", h->text[SIZES], 3, size) ||
+    if (dims != 3 && dims != 4) return voxel_fail(v, "NDims: %g, expected 3 or 4", dims);
+    if (!voxel_reals(v, "DimSize", h->text[SIZES], (size_t)dims, size) ||
         (*h->text[CHANNELS] &&
             !voxel_reals(v, "ElementNumberOfChannels", h->text[CHANNELS], 1, &channels)) ||
-        !read_type(v, h->text[TYPE], &type) || !place(v, h))
+        !read_type(v, h->text[TYPE], &type) || !place(v, h, (size_t)dims))
         return false;
+    const double times = size[3];
     if (!(channels >= 1 && channels <= VOXEL_NODES_MAX) || channels != floor(channels))
         return voxel_fail(v, "ElementNumberOfChannels: %g, expected 1 or more", channels);
+    if (!(times >= 1 && times <= VOXEL_NODES_MAX) || times != floor(times))
+        return voxel_fail(v, "DimSize: %g times, expected 1 or more", times);
+    if (channels > 1 && times > 1)
+        return voxel_fail(v, "several times of several numbers, expected one of them");
     for (int i = 0; i < 3; i++) {
         const bool whole = size[i] >= 1 && size[i] <= 1e9 && size[i] == floor(size[i]);
         if (!voxel_set_nodes(v, i, whole ? (int64_t)size[i] : 0)) return false;
     }
-    struct voxel_array *a = voxel_add(v, "", type, (uint64_t)channels, false);
+    struct voxel_array *a = voxel_add(v, "", type, (uint64_t)(channels * times), false);
+    if (times > 1) voxel_slowest(v, a);
     return voxel_numbers(v, a) ? find_numbers(v, h, a) : true; /* too many: the caller says so */
 }
 

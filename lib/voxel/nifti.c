@@ -142,17 +142,15 @@ static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_a
 static bool read_header(struct voxel *v, struct header *h)
 {
     struct voxel_type type = {0, 0};
-    uint64_t parts = 1, times = 1, nodes = 1;
+    uint64_t parts = 1, times = 1;
     h->big = h->p[0] == 0;
     if (memcmp(h->p + MAGIC, "n+1", 4) != 0 && memcmp(h->p + MAGIC, "ni1", 4) != 0)
         return voxel_fail(v, "a header of 348 bytes without NIfTI's magic word, perhaps of "
                              "Analyze 7.5, expected n+1 or ni1");
     const int dims = whole(h, DIM);
     if (dims < 3 || dims > 7) return voxel_fail(v, "%d dimensions, expected 3 to 7", dims);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         if (!voxel_set_nodes(v, i, whole(h, DIM + 2 * (i + 1)))) return false;
-        nodes *= v->n[i];
-    }
     for (int i = 4; i <= dims; i++) {
         const int n = whole(h, DIM + 2 * i);
         if (n < 1 || times > VOXEL_NODES_MAX)
@@ -164,8 +162,7 @@ static bool read_header(struct voxel *v, struct header *h)
         return voxel_fail(v, "several times of several numbers, expected one of them");
     place(v, h);
     struct voxel_array *a = voxel_add(v, "", type, parts * times, false);
-    for (int i = 0; i < 3; i++) a->stride[i] /= times; /* times are the slowest */
-    if (times > 1) a->component_stride = nodes;
+    if (times > 1) voxel_slowest(v, a);
     return find_numbers(v, h, a);
 }
 

@@ -153,13 +153,21 @@ static bool read_directions(struct voxel *v, struct header *h)
     return true;
 }
 
+/* Axes of more than one number. Microscopes' pictures have a channel and a time of one. */
+static int longer_axes(const struct header *h)
+{
+    int n = 0;
+    for (int i = 0; i < h->axes; i++) n += h->size[i] > 1;
+    return n;
+}
+
 static bool is_in_space(const struct header *h, int i)
 {
     const char *kind = h->kind[i];
     if (h->directed) return !h->none[i];
     if (*kind && strcmp(kind, "???") != 0)
         return strcasecmp(kind, "domain") == 0 || strcasecmp(kind, "space") == 0;
-    return h->axes == 3;
+    return h->axes == 3 || (h->size[i] > 1 && longer_axes(h) == 3);
 }
 
 static bool read_axes(struct voxel *v, struct header *h)

@@ -72,6 +72,8 @@ bool voxel_read_legacy(struct voxel *v);
 /* An array whose components are beside one another, x fastest. It is at the end of v->array. */
 struct voxel_array *voxel_add(
     struct voxel *v, const char *name, struct voxel_type type, uint64_t components, bool cells);
+/* The numbers of a value, such as times, are one volume after the other. */
+void voxel_slowest(const struct voxel *v, struct voxel_array *a);
 /* Sets v->n[axis]. */
 bool voxel_set_nodes(struct voxel *v, int axis, int64_t n);
 /* Nodes, or cells, along an axis. */
