@@ -135,6 +135,8 @@ is 'packed: a range of values, by its type' "$(got valid.nc s)" '100.5 101 101.5
 make_nc wider "$cube" "$axes short s(z, y, x); s:scale_factor = .5f; s:add_offset = 100.; s:valid_range = 99., 104.;" \
 	"$nodes s = 1, 2, -2, -3, 8, 9, 10, 11;"
 is 'packed: values have the wider type of scale and offset' "$(got wider.nc s)" '100.5 101 99 nan 104 nan nan nan'
+make_nc nan "$cube" "$axes float s(z, y, x); s:valid_range = NaNf, NaNf;" "$nodes s = 1, 2, 3, 4, 5, 6, 7, NaNf;"
+is 'a valid range of NaN forbids nothing' "$(got nan.nc s)" '1 2 3 4 5 6 7 nan'
 make_nc bytes "$cube" "$axes byte s(z, y, x); s:_Unsigned = \"true\"; s:_FillValue = -1b; s:valid_max = -2b;" "$nodes s = 0, 1, 127, -128, -2, -3, _, 5;"
 is '_Unsigned bytes are read as unsigned' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
 make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x); d:missing_value = 1e10f;" \
@@ -345,6 +347,13 @@ make_nc hole "$cube" "$axes $scalar" "x = 1, NaN; y = 3, 4; z = 5, 6; $data"
 refused hole.nc s 'x is -?nan after 1'
 make_nc curved "$cube" "float lon(y, x); float lat(y, x); double z(z); z:axis = \"Z\"; $scalar s:coordinates = \"lon lat\";" "$data"
 refused curved.nc s 'a curvilinear grid: lon and lat are rectilinear neither in degrees nor on a plane of the file'
+# As HYCOM, and ocean models of CMIP
+counts="int x(x); x:axis = \"X\"; int y(y); y:axis = \"Y\"; y:units = \"1\"; double z(z); z:axis = \"Z\";
+	float lon(y, x); lon:units = \"degrees_east\"; float lat(y, x); lat:units = \"degrees_north\"; $scalar s:coordinates = \"lon lat\";"
+make_nc counted "$cube" "$counts" "x = 1, 2; y = 1, 2; z = 5, 6; lon = 15, 16, 15, 16; lat = 60, 60, 61, 61; $data"
+is 'axes that count nodes have the places of two dimensions' "$(got counted.nc s):$(on_line coordinates X a.vtk):$(on_line coordinates Y a.vtk)" '1 2 3 4 5 6 7 8:15 16:60 61'
+make_nc counted "$cube" "$counts" "x = 1, 2; y = 1, 2; z = 5, 6; lon = 15, 16, 15, 17; lat = 60, 60, 61, 62; $data"
+refused counted.nc s 'a curvilinear grid: lon and lat are rectilinear neither in degrees nor on a plane of the file'
 make_nc bare "$cube" "$scalar" "$data"
 refused bare.nc s 'no rectilinear grid: there are no coordinates along z'
 make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"

@@ -93,6 +93,10 @@ is 'GRIB 1: precise layers count from 1100 hPa' "$(units_of_edition_1 121 'set t
 make_grib pascals "set scaledValueOfFirstFixedSurface=101320; set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=150; write;
 	set scaledValueOfFirstFixedSurface=100; write;"
 is 'pressures have all their digits' "$(got pascals.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-1013.2 -1.5 -1'
+make_grib layers 'set typeOfFirstFixedSurface=100; set typeOfSecondFixedSurface=100; set scaleFactorOfFirstFixedSurface=-1;
+	set scaleFactorOfSecondFixedSurface=-1; set scaledValueOfFirstFixedSurface=2505; set scaledValueOfSecondFixedSurface=3015;
+	set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=5000; set scaledValueOfSecondFixedSurface=6000; write;'
+is 'layers of pressures lie between both, with all their digits' "$(got layers.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-550 -276'
 make_grib soil 'set typeOfFirstFixedSurface=151; set typeOfSecondFixedSurface=151; set scaleFactorOfFirstFixedSurface=0;
 	set scaleFactorOfSecondFixedSurface=0; set scaledValueOfFirstFixedSurface=0; set scaledValueOfSecondFixedSurface=1;
 	set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=1; set scaledValueOfSecondFixedSurface=2; write;'

@@ -39,7 +39,14 @@ static enum cf_kind direction(struct cf_file *c, int group, int id, const char *
     return text_has(name, "lon") ? CF_X : text_has(name, "lat") ? CF_Y : CF_NONE;
 }
 
-/* True if the last two dimensions of a variable are those of two axes without coordinates. */
+/* True if the axis has no coordinates, or perhaps only counts its nodes, as those of HYCOM and of
+ * ocean models in CMIP do. */
+static bool is_counted(const struct cf_axis *a)
+{
+    return !a->at || (a->in >= 0 && (!*a->units || strcmp(a->units, "1") == 0));
+}
+
+/* True if the last two dimensions of a variable are those of two such axes. */
 static bool lies_along(struct cf_field *f, int id, struct cf_axis *of[2])
 {
     int n, dims[NC_MAX_VAR_DIMS];
@@ -55,7 +62,7 @@ static bool lies_along(struct cf_field *f, int id, struct cf_axis *of[2])
         for (int i = 0; i < f->n_axes; i++) {
             struct cf_axis *a = &f->axis[i];
             const bool same = strncmp(a->name, name, CF_TEXT - 1) == 0 && a->n == length;
-            if (same && !a->at && !a->chosen && a->n > 1) of[k] = a;
+            if (same && is_counted(a) && !a->chosen && a->n > 1) of[k] = a;
         }
     }
     return of[0] && of[1] && of[0] != of[1];
@@ -201,10 +208,19 @@ static void even(double *at, size_t n)
 static void set_axis(struct cf_axis *a, enum cf_kind kind, const char *units, double *at)
 {
     even(at, a->n);
+    free(a->at);
     a->kind = kind;
     a->at = at;
     a->in = a->id = -1;
     snprintf(a->units, CF_TEXT, "%s", units);
+}
+
+/* Numbers of nodes are no coordinates. */
+static void forget(struct cf_axis *a)
+{
+    free(a->at);
+    a->at = NULL;
+    a->kind = CF_NONE;
 }
 
 void cf_curvilinear(struct cf_file *c, struct cf_field *f)
@@ -236,6 +252,8 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
                 set_axis(p.of[1], CF_X, metres ? "m" : "degrees_east", x);
                 set_axis(p.of[0], CF_Y, metres ? "m" : "degrees_north", y);
                 x = y = NULL;
+            } else if (p.of[0]->at && p.of[1]->at && isinf(off)) {
+                /* places are missing, or are equal: the numbers of the nodes remain */
             } else if (*f->plane)
                 err_set(f->plane_fault,
                     "%.30s and %.30s leave a rectilinear grid on the plane of the file by %.2g "
@@ -245,6 +263,7 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
                 err_set(f->plane_fault,
                     "%.30s and %.30s are rectilinear neither in degrees nor on a plane of the file",
                     p.name[0], p.name[1]);
+            for (int k = 0; off > SLACK && isfinite(off) && k < 2; k++) forget(p.of[k]);
         }
     }
     free(p.at[0]), free(p.at[1]);

@@ -161,7 +161,7 @@ double cf_unpack(const struct cf_packing *p, double stored)
 {
     double raw = widen(p, stored), v = raw * p->scale + p->offset;
     double judged = p->valid_unpacked ? v : raw;
-    if (!(judged >= p->valid_min && judged <= p->valid_max)) return (double)NAN;
+    if (isnan(v) || judged < p->valid_min || judged > p->valid_max) return (double)NAN;
     for (size_t i = 0; i < p->n_missing; i++)
         if (raw == p->missing[i]) return (double)NAN;
     return v;

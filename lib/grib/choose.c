@@ -27,15 +27,15 @@ void gb_read_choices(const codes_handle *h, size_t number, struct gb_entry *e)
 /* True if the value is one of those, with / between; numbers are compared as such. */
 static bool is_one_of(const char *value, const char *values)
 {
-    char list[GB_TEXT], *rest = list, *word;
+    char *list = xstrdup(values), *rest = list, *word;
     double v, w;
-    snprintf(list, sizeof list, "%s", values);
+    bool found = false;
     const bool number = parse_real(value, -GRID_MAX, GRID_MAX, &v);
-    while ((word = text_part(&rest, '/')) != NULL) {
-        if (strcmp(word, value) == 0) return true;
-        if (number && parse_real(word, -GRID_MAX, GRID_MAX, &w) && fabs(v - w) <= 0) return true;
-    }
-    return false;
+    while (!found && (word = text_part(&rest, '/')) != NULL)
+        found = strcmp(word, value) == 0 ||
+                (number && parse_real(word, -GRID_MAX, GRID_MAX, &w) && fabs(v - w) <= 0);
+    free(list);
+    return found;
 }
 
 bool gb_counts(const codes_handle *h, size_t number, const struct gb_where *where, size_t n,

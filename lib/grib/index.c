@@ -19,11 +19,14 @@ static double level_of(const codes_handle *h, const char *levels)
         {120, .01, 0}, {121, -1, 1100}, {125, .01, 0}, {128, -.001, 1.1}, {210, .01, 0}};
     const double top = gb_real(h, "topLevel"), bottom = gb_real(h, "bottomLevel");
     const double v = strstr(levels, "Layer") ? (top + bottom) / 2 : gb_real(h, "level");
-    if (gb_long(h, "edition") == 2)
-        return strcmp(levels, "isobaricInhPa") != 0
-                   ? v
-                   : gb_real(h, "scaledValueOfFirstFixedSurface") *
-                         pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
+    if (gb_long(h, "edition") == 2) {
+        const double first = gb_real(h, "scaledValueOfFirstFixedSurface") *
+                             pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
+        const double second = gb_real(h, "scaledValueOfSecondFixedSurface") *
+                              pow(10, -gb_real(h, "scaleFactorOfSecondFixedSurface")) / 100;
+        if (strcmp(levels, "isobaricLayer") == 0) return (first + second) / 2;
+        return strcmp(levels, "isobaricInhPa") == 0 ? first : v;
+    }
     const long type = gb_long(h, "indicatorOfTypeOfLevel");
     for (size_t i = 0; i < sizeof old / sizeof *old; i++)
         if (old[i].type == type) return old[i].from + old[i].factor * v;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 enum calendar { NO_LEAP, ALL_LEAP, DAYS_360, JULIAN, PROLEPTIC, UNKNOWN };
 
@@ -17,7 +18,8 @@ static enum calendar calendar_of(const char *name)
         {"360_day", "360_day"}, {"julian", "julian"},
         {"proleptic_gregorian", "proleptic_gregorian"}};
     int c = NO_LEAP;
-    while (c < UNKNOWN && strcmp(name, names[c][0]) != 0 && strcmp(name, names[c][1]) != 0) c++;
+    while (c < UNKNOWN && strcasecmp(name, names[c][0]) != 0 && strcasecmp(name, names[c][1]) != 0)
+        c++;
     return (enum calendar)c;
 }
 

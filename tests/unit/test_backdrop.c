@@ -245,6 +245,7 @@ static void test_times(void **state)
     is_time("T [K]; t time 0 [days since 1999-03-01 00:00 +01:00]", "1999-02-28 23:00 UTC");
     /* Calendars of models. */
     is_time("T [K]; t time 59 [days since 2000-01-01 (noleap)]", "2000-03-01 00:00 (noleap)");
+    is_time("T [K]; t time 59 [days since 2000-01-01 (NOLEAP)]", "2000-03-01 00:00 (NOLEAP)");
     is_time("T [K]; t time 59 [days since 1999-01-01 (366_day)]", "1999-02-29 00:00 (366_day)");
     is_time("T [K]; t time 59 [days since 2000-01-01 (360_day)]", "2000-02-30 00:00 (360_day)");
     is_time("T [K]; t time 13.5 [months since 2000-01-01 (360_day)]", "2001-02-16 00:00 (360_day)");
