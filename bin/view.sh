@@ -11,6 +11,7 @@ while getopts :hj:m:s:S: opt; do
 done
 shift $((OPTIND - 1))
 [ $# -ge 1 ] || misused
+for file; do [ -e "$file" ] && [ ! -d "$file" ] || fail "$file: is no file, expected grids and a specification, or scenes"; done
 [ -z "$slots" ] || [ -z "$hosts" ] || fail "-j and -S: expected one of them"
 there stormview "beside balance or on the PATH: make builds it where libsdl2-dev and libpango1.0-dev are"
 case $lines in

@@ -124,6 +124,15 @@ for line in 'x rest' '0 jump' '0 drag 1' '0 drag 1 2 3' '0 key nokey' '0 png' '-
 	refused 2 '^stormview: events:1: .*expected' -e events a.vtk look.spec deal fan vcworker
 done
 refused 3 '^stormview: cannot open a display; use balance' a.vtk look.spec deal fan vcworker
+run balance view a.vtk nothere.vtk
+is 'balance view names a file that is not there' "$status$out" 2
+like 'balance view names a file that is not there: the reason' "$err" '^balance: nothere.vtk: is no file'
+ln -s nothere kept-1.spec
+look '0 key s;0 rest' -o kept a.vtk look.spec
+ok 'a name that a link to nothing has is not free' [ -s kept-2.spec ]
+look '0 key s;0 rest' -o nothere/kept a.vtk look.spec
+is 'a key saves where there is no directory: exit 3' "$status" 3
+like 'a key saves where there is no directory: the reason' "$err" '^stormview: nothere/kept-1.spec: No such file'
 run sh -c "stormview -e rest a.vtk look.spec $command >/dev/full"
 is 'a full disk: exit 3' "$status" 3
 
@@ -142,7 +151,9 @@ is 'a worker that dies: the picture is whole' "$status $(value failed_pixels)" '
 # A worker that ends whenever it is given a certain task.
 printf '%s\n' '#!/bin/sh' 'while IFS= read -r line; do case $line in "task "?*" 3 "*) kill -9 $$ && exit ;; esac; printf "%s\n" "$line"; done | vcworker' >mortal
 chmod +x mortal
-run patiently in_time stormview -e rest -t times -s 32x24 a.vtk look.spec deal -q auto -e fan -j 2 ./mortal
+printf '%s\n' '0 rest' '0 png lacks.png' >lacks
+run patiently in_time stormview -e lacks -t times -s 32x24 a.vtk look.spec deal -q auto -e fan -j 2 ./mortal
+ok 'a picture that lacks pixels is not saved' [ ! -e lacks.png ]
 like 'a task that costs each worker: it is given up, and the others come' "$status $(value failed_pixels)" '^1 ([1-9][0-9]|[1-4][0-9]{2})$'
 
 for bytes in 20 300 5000; do
@@ -252,6 +263,29 @@ keys Escape
 await 20 [ -s status ]
 is 'Escape ends: exit 0' "$(cat status err)" 0
 ok 'the chosen specification is printed' grep -q '^resolution 300 200$' said.spec
+
+opened -o large -s 3000x2000 a.vtk look.spec
+keys s
+await 20 [ -s large-1.spec ]
+ok 'the picture has the size of a window that has less room' grep -qx 'resolution 1000 800' large-1.spec
+if there setxkbmap && setxkbmap ru 2>/dev/null; then
+	keys 39 # the key s
+	await 20 [ -s large-2.spec ]
+	setxkbmap us
+	pass 'a key of a Cyrillic keyboard is that of its place'
+else skip 'a Cyrillic keyboard' 'there is no setxkbmap'; fi
+keys Escape
+await 20 [ -s status ]
+printf '#!/bin/sh\ncat >/dev/null\n' >mute # its output stays open
+chmod +x mute
+command=./mute
+opened -s 320x240 a.vtk look.spec
+# quiet: the title says so
+quiet() { xdotool getwindowname "$window" | grep -q 'no pixels for [0-9]* s$'; }
+ok 'a command that has no slot: the title says that nothing comes' await 20 quiet
+keys Escape
+await 20 [ -s status ]
+command='deal -q auto -e fan -j 2 vcworker'
 
 opened -s 320x240 a.vtk look.spec
 xdotool windowclose "$window"

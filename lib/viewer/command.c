@@ -32,6 +32,7 @@ void command_view(struct viewer *v)
     subject_state(&v->subject, &v->down);
     wire_frame(&v->down.bytes, ++v->frame, s->w, s->h, NULL);
     show_keep(v);
+    if (look_whole(&v->look)) v->heard_us = now_us(); /* it was silent, because it owed nothing */
     look_view(&v->look, v->frame, s->w, s->h, now_us());
     times_view(&v->times);
     v->job[0] = '\0';

@@ -2,6 +2,7 @@
 #include "viewer/viewer_int.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 #define ARROW (5 / 180.) /* of half a turn */
 #define NOTCH 1.1        /* of the distance, for a notch of the wheel or a key */
@@ -107,14 +108,13 @@ static void step(const struct act *a)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
+/* The first name that nothing has: also no file that cannot be opened. */
 static void name_file(struct viewer *v, const char *kind, char name[ERR_BYTES])
 {
-    FILE *f;
+    struct stat st;
     int n = 0;
-    do {
-        snprintf(name, ERR_BYTES, "%s-%d%s", v->o->prefix, ++n, kind);
-        if ((f = fopen(name, "r")) != NULL) fclose(f);
-    } while (f && n < 99999);
+    do snprintf(name, ERR_BYTES, "%s-%d%s", v->o->prefix, ++n, kind);
+    while (lstat(name, &st) == 0 && n < 99999);
 }
 
 static void save_text(struct viewer *v, const char *kind)
@@ -123,8 +123,7 @@ static void save_text(struct viewer *v, const char *kind)
     struct buf b = {0};
     name_file(v, kind, name);
     subject_text(&v->subject, &b);
-    if (outfile_put(name, buf_data(&b), buf_size(&b)) == 0) viewer_say(v, "saved %s", name);
-    else viewer_say(v, "%s: cannot be written", name);
+    viewer_saved(v, name, outfile_put(name, buf_data(&b), buf_size(&b)) == 0);
     buf_free(&b);
 }
 

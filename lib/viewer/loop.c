@@ -55,17 +55,11 @@ static bool resting(const struct viewer *v)
     return look_whole(&v->look) && drawn && !v->changed && !v->png;
 }
 
-/* The picture, or all that is on the screen. */
-static void save_as(struct viewer *v, const char *name, bool (*save)(struct viewer *, const char *))
+/* A picture that lacks pixels would pass for a whole one. */
+static void save_png(struct viewer *v, const char *name)
 {
-    if (save(v, name)) {
-        viewer_say(v, "saved %s", name);
-        return;
-    }
-    viewer_say(v, "%s: %s", name, strerror(errno));
-    if (v->window) return;
-    warn("%s: %s", name, strerror(errno));
-    v->status = ST_SYSTEM;
+    if (!v->look.failed) viewer_saved(v, name, show_save(v, name));
+    else viewer_say(v, "%s: not saved: pixels were given up", name);
 }
 
 /* Takes the recorded events that are due. */
@@ -77,8 +71,8 @@ static void take_recorded(struct viewer *v)
         const int64_t due = e->from_us + (int64_t)(r->ms * 1e3);
         if (now_us() < due || (r->what != RECORDED_INPUT && !resting(v))) return;
         if (r->what == RECORDED_INPUT) take_event(v, &r->event, due);
-        else if (r->what == RECORDED_PNG) save_as(v, r->name, show_save);
-        else if (r->what == RECORDED_SHOT) save_as(v, r->name, show_shot);
+        else if (r->what == RECORDED_PNG) save_png(v, r->name);
+        else if (r->what == RECORDED_SHOT) viewer_saved(v, r->name, show_shot(v, r->name));
         else e->from_us = now_us();
         e->next++;
     }
@@ -130,7 +124,7 @@ static void round_of(struct viewer *v)
     if (v->png && look_whole(&v->look) && !v->changed) {
         char *name = v->png;
         v->png = NULL;
-        save_as(v, name, show_save);
+        save_png(v, name);
         free(name);
     }
 }

@@ -22,12 +22,25 @@ void viewer_say(struct viewer *v, const char *fmt, ...)
     show_status(v);
 }
 
+void viewer_saved(struct viewer *v, const char *name, bool good)
+{
+    if (good) {
+        viewer_say(v, "saved %s", name);
+        return;
+    }
+    const int why = errno;
+    viewer_say(v, "%s: %s", name, strerror(why));
+    if (v->window) return;
+    warn("%s: %s", name, strerror(why));
+    v->status = ST_SYSTEM;
+}
+
 void show_status(struct viewer *v)
 {
     char title[2 * ERR_BYTES];
     const struct subject *s = &v->subject;
     const double quiet = (double)(now_us() - v->heard_us) * 1e-6;
-    const bool waits = v->look.flight.count && quiet > PATIENCE_SILENCE_US * 1e-6;
+    const bool waits = !look_whole(&v->look) && quiet > PATIENCE_SILENCE_US * 1e-6;
     if (!v->window) return;
     int n = snprintf(title, sizeof title, "%.100s - stormview", s->job.path[s->at]);
     if (waits) snprintf(title + n, sizeof title - (size_t)n, ": no pixels for %.0f s", quiet);

@@ -160,5 +160,7 @@ bool show_save(struct viewer *v, const char *path); /* the whole picture; false 
 void show_free(struct viewer *v);
 /* Sets the status line. */
 void viewer_say(struct viewer *v, const char *fmt, ...) PRINTF_LIKE(2, 3);
+/* Says that the file was saved, or why not: by errno. */
+void viewer_saved(struct viewer *v, const char *name, bool good);
 
 #endif

@@ -12,6 +12,7 @@ struct window {
     SDL_Texture *texture;
     int w, h;   /* of the texture */
     bool shift; /* is it down? By the keys before this event: SDL_GetModState knows later ones. */
+    SDL_Scancode pressed; /* the last key */
 };
 
 static struct window *failed(struct window *w, char err[ERR_BYTES])
@@ -39,6 +40,14 @@ static void fit(int *w, int *h)
     if (*h > room.h) *h = room.h;
 }
 
+/* The window may have less room than was asked for, or more. */
+static void tell_size(const struct window *win)
+{
+    SDL_Event s = {.window = {.type = SDL_WINDOWEVENT, .event = SDL_WINDOWEVENT_SIZE_CHANGED}};
+    SDL_GetWindowSize(win->window, &s.window.data1, &s.window.data2);
+    SDL_PushEvent(&s);
+}
+
 struct window *window_open(const char *title, uint32_t w, uint32_t h, char err[ERR_BYTES])
 {
     if (!choose_driver(err)) return NULL;
@@ -58,6 +67,7 @@ struct window *window_open(const char *title, uint32_t w, uint32_t h, char err[E
     win->renderer = SDL_CreateRenderer(win->window, -1, SDL_RENDERER_SOFTWARE);
     if (!win->renderer) return failed(win, err);
     SDL_StartTextInput();
+    tell_size(win);
     return win;
 }
 
@@ -97,11 +107,14 @@ static bool take_key(const SDL_KeyboardEvent *k, struct window_event *e)
     return false;
 }
 
-/* Other keys, in any layout. */
-static bool take_text(const char *text, struct window_event *e)
+/* Other keys, in any layout. Letters that are not Latin, such as Cyrillic ones, count as those of a
+ * US keyboard in their places. */
+static bool take_text(const char *text, SDL_Scancode pressed, struct window_event *e)
 {
+    const bool letter = pressed >= SDL_SCANCODE_A && pressed <= SDL_SCANCODE_Z;
     e->what = WINDOW_KEY;
     e->key = (unsigned char)*text;
+    if (e->key > 0x7f && letter) e->key = 'a' + (int)(pressed - SDL_SCANCODE_A);
     return e->key >= ' ' && e->key < 0x7f;
 }
 
@@ -132,9 +145,12 @@ static bool take(struct window *win, const SDL_Event *s, struct window_event *e)
     *e = (struct window_event){.what = WINDOW_CLOSE};
     switch (s->type) {
     case SDL_QUIT: return true;
-    case SDL_KEYDOWN: win->shift = s->key.keysym.mod & KMOD_SHIFT; return take_key(&s->key, e);
+    case SDL_KEYDOWN:
+        win->shift = s->key.keysym.mod & KMOD_SHIFT;
+        win->pressed = s->key.keysym.scancode;
+        return take_key(&s->key, e);
     case SDL_KEYUP: win->shift = s->key.keysym.mod & KMOD_SHIFT; return false;
-    case SDL_TEXTINPUT: return take_text(s->text.text, e);
+    case SDL_TEXTINPUT: return take_text(s->text.text, win->pressed, e);
     case SDL_MOUSEMOTION: return take_motion(&s->motion, win->shift, e);
     case SDL_MOUSEWHEEL:
         e->what = WINDOW_WHEEL;
