@@ -173,8 +173,7 @@ for method in masterslave gdc; do
 	name="$method, a worker that stops"
 	lasting $method
 	inflict stop
-	[ $method = gdc ] || await 20 says "$(lost silent)"
-	: >go
+	: >go # an idle worker need not say anything, so its silence is noticed when it has a task
 	end
 	is "$name: exit 0" "$status" 0
 	ok "$name: the same picture" cmp out.pfm good.pfm
@@ -277,7 +276,6 @@ while read -r method fault why; do
 	else
 		lasting "$method"
 		inflict "$fault"
-		await 20 says "$lost"
 		: >go
 	fi
 	end
@@ -297,7 +295,6 @@ if [ -n "${NIGHT-}" ]; then
 	name='interleaved, ssh'
 	lasting interleaved
 	inflict ssh
-	await 20 says 'fan: slot 1 on host2: lost [(]'
 	: >go
 	end
 	incomplete "$name" interleaved
