@@ -333,7 +333,7 @@ done >"$tmp/answers"
 programs=$(for p in bin/*; do case $p in bin/balance-* | *.sh) ;; *) p=${p##*/} && echo "${p%.c}" ;; esac; done | sort -u)
 # shellcheck disable=SC2086  # a word each
 {
-	printf '%s\n' $programs | awk -v answers="$tmp/answers" '
+	printf '%s\n' $programs | awk '
 	function letters(kind, name, i, c, all, found) {
 		all = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 		for (i = 1; i <= length(all); i++) if ((kind, name, c = substr(all, i, 1)) in has) found = found c
@@ -372,13 +372,14 @@ for program in $all; do
 		sed "s|^|$program $option stderr |" "$tmp/stderr"
 	done
 done >"$tmp/answers"
-# wrong STATUS ERE: of $tmp/answers, what has another status, an output, or not one line of errors that matches
+# wrong STATUS ERE: of $tmp/answers, what has another status, an output, or not one line of errors that matches, with the option
+# for @
 wrong() {
 	awk -v status="$1" -v ere="$2" '
-	{ what = $1 " " $2 }
+	{ what = $1 " " $2; expected = ere; sub(/@/, $2, expected) }
 	$3 == "status" { if ($4 != status) print what ": exits " $4 ", expected " status; seen[what] }
 	$3 == "stdout" { print what ": says " $0 }
-	$3 == "stderr" { text = $0; sub(/^[^ ]* [^ ]* stderr /, "", text); if (lines[what]++ || text !~ ere) print what ": says " text ", expected one line: " ere }
+	$3 == "stderr" { text = $0; sub(/^[^ ]* [^ ]* stderr /, "", text); if (lines[what]++ || text !~ expected) print what ": says " text ", expected one line: " expected }
 	END { for (what in seen) if (!(what in lines)) print what ": says nothing, expected one line" }' "$tmp/answers"
 }
 wrong 3 '^[a-z0-9-]*: standard output: ' >"$found"
@@ -400,7 +401,7 @@ for program in $all; do
 		ask "$program -$option" timeout 10 "$program" $method -"$option" -h
 	done
 done >"$tmp/answers"
-wrong 2 ': -. -h: .*expected' >"$found"
+wrong 2 ': @ -h: .*expected' >"$found"
 clean 'an option in the place of an argument is refused in one line'
 for program in $programs; do
 	"$program" -'?' >"$tmp/stdout" 2>"$tmp/stderr"
