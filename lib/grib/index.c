@@ -6,6 +6,12 @@
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
+/* Of a surface: topLevel and level have fewer digits. */
+static double hectopascals(const codes_handle *h, const char *value, const char *scale)
+{
+    return gb_real(h, value) * pow(10, -gb_real(h, scale)) / 100;
+}
+
 /* The number of a level, for a layer that of its middle. Edition 2 states pressures in Pa, which
  * ecCodes cuts to hPa. Edition 1 has its own units, such as cm and kPa (table 3), which ecCodes
  * keeps. */
@@ -20,12 +26,14 @@ static double level_of(const codes_handle *h, const char *levels)
     const double top = gb_real(h, "topLevel"), bottom = gb_real(h, "bottomLevel");
     const double v = strstr(levels, "Layer") ? (top + bottom) / 2 : gb_real(h, "level");
     if (gb_long(h, "edition") == 2) {
-        const double first = gb_real(h, "scaledValueOfFirstFixedSurface") *
-                             pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
-        const double second = gb_real(h, "scaledValueOfSecondFixedSurface") *
-                              pow(10, -gb_real(h, "scaleFactorOfSecondFixedSurface")) / 100;
-        if (strcmp(levels, "isobaricLayer") == 0) return (first + second) / 2;
-        return strcmp(levels, "isobaricInhPa") == 0 ? first : v;
+        const bool layer = strcmp(levels, "isobaricLayer") == 0;
+        if (!layer && strcmp(levels, "isobaricInhPa") != 0) return v;
+        const double first =
+            hectopascals(h, "scaledValueOfFirstFixedSurface", "scaleFactorOfFirstFixedSurface");
+        if (!layer) return first;
+        const double second =
+            hectopascals(h, "scaledValueOfSecondFixedSurface", "scaleFactorOfSecondFixedSurface");
+        return (first + second) / 2;
     }
     const long type = gb_long(h, "indicatorOfTypeOfLevel");
     for (size_t i = 0; i < sizeof old / sizeof *old; i++)
