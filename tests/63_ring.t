@@ -12,7 +12,7 @@ partition 256x256 | rtworker -a 16 gears.nff | gather -o good.pfm
 long() {
 	rm -f out.pfm
 	# shellcheck disable=SC2086  # several words
-	env MARK=$mark balance gdc -j 3 ${work:--s 256x256 -W -a16} -o out.pfm "$@" gears.nff 2>said &
+	env MARK=$mark balance gdc ${slots:--j 3} ${work:--s 256x256 -W -a16} -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
 # begin [OPTIONS]: the same with workers that are held back until whole
@@ -109,14 +109,18 @@ sleep 1
 kill -CONT "$p"
 whole 'a node stopped for 1 s'
 is 'a node stopped for 1 s: no message' "$(unexpected said)" ''
-endless
+echo ': slots=3 tries=2' >hosts
+slots='-S hosts' begin
 while kill -0 "$pid" 2>/dev/null; do
+	rm -f held.*
 	kill -9 $(nodes) 2>/dev/null
-	sleep .05
+	until held 1 || ! kill -0 "$pid" 2>/dev/null; do sleep .05; done
 done
+: >go
 wait "$pid"
-is 'all nodes killed, again and again: exit 1' $? 1
-like 'all nodes killed: a message says so' "$(cat said)" 'ringctl: frame 0: given up'
+# The frame is given up, or before that the last slot.
+like 'all nodes killed, again and again: the run ends, and says why' "$?:$(grep -E 'given up|no slot left' said)" \
+	'^(1:ringctl: frame 0: given up|3:fan: no slot left)'
 ok 'all nodes killed: no process remains' await 2 none_alive
 begin -r job.log
 kill -9 "$(hub)"
