@@ -429,6 +429,8 @@ is 'a file of materials that is not there: exit 0, and one line' "$status:$err" 
 	'0:mesh2nff: library.obj: files of materials that are not there: 1, their materials are grey'
 sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
 like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
+gltf '{"mesh": 0}' "$(echo "$paint" | sed 's/}}/}, "alphaMode": "MASK"}/')" >holes.gltf
+like 'holes are named' "$(mesh2nff holes.gltf 2>&1 >a)" '^mesh2nff: holes.gltf: materials whose alpha cuts holes: 1, written without holes$'
 gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
 	"samplers": [{"input": 3, "output": 0}]}]' | sed 's/"type": "SCALAR"}/&, {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}/' >moves.gltf
 like 'animations are named' "$(mesh2nff moves.gltf 2>&1 >a)" '^mesh2nff: moves.gltf: animations: 1, left out$'
