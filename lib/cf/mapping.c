@@ -167,13 +167,12 @@ static double metres_in(const char *unit)
                                      : 0;
 }
 
-/* The same on a plane. That of a satellite is as high as the satellite for each radian of its view. */
-static double metres_on(const char *plane, const char *unit)
+/* The same on the field's plane, where angles may be places. */
+static double metres_on(const struct cf_field *f, const char *unit)
 {
     const double metres = metres_in(unit);
-    const char *height = strstr(plane, " +h=");
-    if (metres > 0 || !height) return metres;
-    return strtod(height + 4, NULL) * (strcmp(unit, "rad") == 0 ? 1 : cf_in_units(unit, "rad"));
+    if (metres > 0 || f->radian_m <= 0) return metres;
+    return f->radian_m * (strcmp(unit, "rad") == 0 ? 1 : cf_in_units(unit, "rad"));
 }
 
 void cf_mapping_read(struct cf_file *c, struct cf_field *f)
@@ -196,6 +195,8 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
             if (strcmp(name, mappings[i].name) != 0) continue;
             known = true;
             good = compose(&at, &mappings[i], metres, f->plane, f->plane_fault);
+            if (strcmp(name, "geostationary") == 0)
+                real(&at, "perspective_point_height", &f->radian_m);
         }
         if (!good) *f->plane = '\0';
         else if (!known && *name && strcmp(name, "latitude_longitude") != 0)
@@ -213,7 +214,7 @@ void cf_mapping_use(struct cf_field *f)
     for (int i = 0; fits && i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->kind > CF_Y) continue;
-        fits = rotated ? strncmp(a->units, "degree", 6) == 0 : metres_on(f->plane, a->units) > 0;
+        fits = rotated ? strncmp(a->units, "degree", 6) == 0 : metres_on(f, a->units) > 0;
     }
     if (fits && projection_possible()) {
         p = projection_open(f->plane, err);
@@ -227,7 +228,7 @@ void cf_mapping_use(struct cf_field *f)
         if (a->kind > CF_Y) continue;
         a->rotated = a->rotated || rotated;
         if (rotated) continue;
-        const double metres = metres_on(f->plane, a->units);
+        const double metres = metres_on(f, a->units);
         for (size_t k = 0; metres != 1 && k < a->n; k++) a->at[k] *= metres;
         snprintf(a->units, CF_TEXT, "m");
     }
