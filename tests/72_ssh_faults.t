@@ -112,6 +112,7 @@ inflict() { # FAULT
 	since=$(now_ms)
 	"fault_$1"
 }
+silent='silent|exit-255' # ssh notices the silence of an idle worker, and fan that of one with tasks
 lost() { echo "fan: slot 1 on host2: lost [(]$1[)] with [0-9]+ tasks, connecting again"; } # an ERE
 while read -r method fault why; do
 	# By day not each fault by each method: fan sees the end of a worker and of a session alike.
@@ -150,13 +151,13 @@ for method in masterslave gdc; do
 	name="$method, a link that is down for long"
 	lasting $method
 	inflict link
-	await 10 says "$(lost silent)"
+	await 10 says "$(lost "$silent")"
 	hosts link host2 up
 	ok "$name: connected again" await 20 says 'fan: slot 1 on host2: is up'
 	: >go
 	end
 	same_picture "$name"
-	noticed "$name" "$(lost silent)"
+	noticed "$name" "$(lost "$silent")"
 
 	name="$method, a link that is down for a second"
 	patiently begin $method
