@@ -189,11 +189,11 @@ static void test_threads(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),
-        cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_contradictions),
         cmocka_unit_test(test_last),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_same), /* the long ones last: a mutant that others find ends soon */
+        cmocka_unit_test(test_damaged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
