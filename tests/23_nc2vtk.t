@@ -231,6 +231,18 @@ END
 ncgen -k nc4 -o inner.nc inner.cdl
 is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 4 5 6 7 8'
 like '-l lists coordinates of the groups around' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
+cat >curved.cdl <<'END'
+netcdf curved {
+dimensions: lev = 2; j = 2; i = 2;
+variables: float lev(lev); lev:units = "hPa"; float lon(j, i); lon:units = "degrees_east"; float lat(j, i); lat:units = "degrees_north";
+	float zg(lev, j, i); zg:standard_name = "geopotential_height"; zg:units = "m"; zg:coordinates = "lon lat";
+data: lev = 850, 500; lon = 7, 9, 7, 9; lat = 50, 50, 51, 51; zg = 1500, 1500, 1500, 1500, 5600, 5600, 5600, 5600;
+group: m { variables: float s(lev, j, i); s:coordinates = "lon lat"; data: s = 1, 2, 3, 4, 5, 6, 7, 8; }
+}
+END
+ncgen -k nc4 -o curved.nc curved.cdl
+is 'and so are longitudes, latitudes and geopotential heights of each node' \
+	"$(got -z curved.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)|$(on_line coordinates Z a.vtk)" '1 2 3 4 5 6 7 8:7 9|50 51|1500 5600'
 
 # longitudes NAME LON ...: writes NAME.nc, with values that count up
 longitudes() {

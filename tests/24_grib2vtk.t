@@ -56,6 +56,10 @@ END
 one='set level=500; set values={1,2,3,4,5,6}; write;' two='set level=850; set values={11,12,13,14,15,16}; write;'
 make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPresent=1; set values={21,9999,23,24,25,26}; write;"
 is 'values go up from the bottom and from the south; a bit map marks missing ones' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+make_grib nameless "set discipline=0; set parameterCategory=1; set parameterNumber=200; $one $two set parameterNumber=201; $one $two"
+is 'parameters without a name are told apart' "$(grib2vtk -l nameless.grib2 | awk 'NR > 1 { print $1, $2 }')" "$(printf 'unknown.0.1.%d 3x2x2\n' 200 201)"
+make_grib old 'set table2Version=250; set indicatorOfParameter=7; set level=500; set values={1,2,3,4,5,6}; write;' regular_ll_pl_grib1
+is 'parameters without a name, edition 1' "$(got old.grib2 unknown.250.7)" '4 5 6 1 2 3'
 make_grib native 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; set values={11,12,13,14,15,16}; write;'
 is 'hybrid levels without coefficients count upwards, as those of NCEP' "$(got native.grib2 t):$(on_line coordinates Z a.vtk)" '4 5 6 1 2 3 14 15 16 11 12 13:1 2'
 make_grib mixed 'set typeOfLevel="hybrid"; set PVPresent=1; set pv={0.0, 20000.0, 0.0, 0.0, 0.0, 1.0}; set level=1; set values={1,2,3,4,5,6}; write;

@@ -429,6 +429,8 @@ is 'a file of materials that is not there: exit 0, and one line' "$status:$err" 
 	'0:mesh2nff: library.obj: files of materials that are not there: 1, their materials are grey'
 sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
 like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
+gltf '{"mesh": 0}' "$(echo "$paint" | sed 's/}}/}, "alphaMode": "MASK"}/')" >holes.gltf
+like 'holes are named' "$(mesh2nff holes.gltf 2>&1 >a)" '^mesh2nff: holes.gltf: materials whose alpha cuts holes: 1, written without holes$'
 gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
 	"samplers": [{"input": 3, "output": 0}]}]' | sed 's/"type": "SCALAR"}/&, {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}/' >moves.gltf
 like 'animations are named' "$(mesh2nff moves.gltf 2>&1 >a)" '^mesh2nff: moves.gltf: animations: 1, left out$'
@@ -544,6 +546,9 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 	printf "$triangle_of"'f -3 -2 -1\n' >negative.obj
 	printf ' v 0 0 0 # first\r\n\tv 1 .0 0\r\nv 0 1 0\r\n f 1 2 3 # all\r\n' >comments.obj
 	printf 'mtllib my lib.mtl \t\n'"$triangle_of"'  usemtl my paint \nf 1 2 3#\n' >behind.obj
+	printf 'newmtl other\nKd 1 0 0\n' >other.MTL
+	printf 'mtllib "other.MTL" "my lib.mtl"\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n' >quoted.obj
+	printf 'mtllib my lib.mtl other.MTL\n'"$triangle_of"'usemtl other\nf 1 2 3\n' >two.obj
 	printf "$triangle_of"'vt 0 0\nf 1/1/ 2/1/ 3/1/\n' >slashes.obj
 	printf "$triangle_of"'f 1 2 3' >unended.obj
 	printf 'g a b c\n'"$triangle_of"'s off\nf 1 2 3\n' >groups.obj
@@ -586,6 +591,8 @@ continued.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 blanks.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 comments.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 behind.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+quoted.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+two.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 negative.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 slashes.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 unended.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;

@@ -37,9 +37,11 @@ static bool is_pressure(const char *units)
 static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis *a)
 {
     static const char *const east[] = {"degrees_east", "degree_east", "degree_E", "degrees_E",
-        "degreeE", "degreesE", "longitude", "grid_longitude", "projection_x_coordinate", NULL};
+        "degreeE", "degreesE", "longitude", "grid_longitude", "projection_x_coordinate",
+        "projection_x_angular_coordinate", NULL};
     static const char *const north[] = {"degrees_north", "degree_north", "degree_N", "degrees_N",
-        "degreeN", "degreesN", "latitude", "grid_latitude", "projection_y_coordinate", NULL};
+        "degreeN", "degreesN", "latitude", "grid_latitude", "projection_y_coordinate",
+        "projection_y_angular_coordinate", NULL};
     static const char *const up[] = {
         "height", "altitude", "depth", "air_pressure", "model_level_number", NULL};
     static const char letters[] = "XYZT";

@@ -72,6 +72,7 @@ struct cf_field {
     char name[CF_TEXT], units[CF_TEXT], long_name[CF_TEXT];
     bool difference;             /* of temperatures: units_metadata says so */
     char plane[PROJECTION_TEXT]; /* of x and y, if it is known; "" */
+    double radian_m; /* metres on the plane for a radian of x or y; 0: they are no angles */
     char plane_fault[ERR_BYTES]; /* why it is not, if the file states one */
 };
 

@@ -16,6 +16,7 @@
 
 /* Two variables along two axes: of[0] is y, of[1] is x. */
 struct places {
+    int in[2]; /* groups: the field's, or enclosing ones */
     int id[2]; /* longitude, latitude; -1: none */
     char name[2][CF_TEXT];
     struct cf_axis *of[2];
@@ -47,18 +48,18 @@ static bool is_counted(const struct cf_axis *a)
 }
 
 /* True if the last two dimensions of a variable are those of two such axes. */
-static bool lies_along(struct cf_field *f, int id, struct cf_axis *of[2])
+static bool lies_along(struct cf_field *f, int group, int id, struct cf_axis *of[2])
 {
     int n, dims[NC_MAX_VAR_DIMS];
     nc_type type;
     of[0] = of[1] = NULL;
-    if (nc_inq_var(f->group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 2 ||
+    if (nc_inq_var(group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 2 ||
         n > CF_AXES_MAX || type == NC_CHAR || type >= NC_STRING)
         return false;
     for (int k = 0; k < 2; k++) {
         char name[NC_MAX_NAME + 1];
         size_t length;
-        if (nc_inq_dim(f->group, dims[n - 2 + k], name, &length) != NC_NOERR) return false;
+        if (nc_inq_dim(group, dims[n - 2 + k], name, &length) != NC_NOERR) return false;
         for (int i = 0; i < f->n_axes; i++) {
             struct cf_axis *a = &f->axis[i];
             const bool same = strncmp(a->name, name, CF_TEXT - 1) == 0 && a->n == length;
@@ -70,13 +71,13 @@ static bool lies_along(struct cf_field *f, int id, struct cf_axis *of[2])
 
 static void take(struct cf_file *c, struct cf_field *f, const char *name, struct places *p)
 {
-    int id;
+    int group = f->group, id;
     struct cf_axis *of[2];
-    if (!*name || nc_inq_varid(f->group, name, &id) != NC_NOERR || !lies_along(f, id, of)) return;
-    const enum cf_kind kind = direction(c, f->group, id, name);
+    if (!*name || !cf_find_above(&group, name, &id) || !lies_along(f, group, id, of)) return;
+    const enum cf_kind kind = direction(c, group, id, name);
     if (kind > CF_Y || p->id[kind] >= 0) return;
     if (p->of[0] && (p->of[0] != of[0] || p->of[1] != of[1])) return;
-    p->id[kind] = id;
+    p->in[kind] = group, p->id[kind] = id;
     snprintf(p->name[kind], CF_TEXT, "%s", name);
     p->of[0] = of[0], p->of[1] = of[1];
 }
@@ -95,18 +96,18 @@ static bool find(struct cf_file *c, struct cf_field *f, struct places *p)
 }
 
 /* Reads the places of the first time. */
-static bool read_places(struct cf_file *c, const struct cf_field *f, struct places *p)
+static bool read_places(struct cf_file *c, struct places *p)
 {
     const size_t ny = p->of[0]->n, nx = p->of[1]->n;
     for (int k = 0; k < 2; k++) {
         size_t start[CF_AXES_MAX] = {0}, count[CF_AXES_MAX];
         int n = 0;
         struct cf_packing packing;
-        if (!cf_did(c, nc_inq_varndims(f->group, p->id[k], &n))) return false;
+        if (!cf_did(c, nc_inq_varndims(p->in[k], p->id[k], &n))) return false;
         for (int i = 0; i < n; i++) count[i] = i == n - 2 ? ny : i == n - 1 ? nx : 1;
-        cf_packing(c, f->group, p->id[k], &packing);
+        cf_packing(c, p->in[k], p->id[k], &packing);
         p->at[k] = xcalloc(ny * nx, sizeof *p->at[k]);
-        if (!cf_did(c, nc_get_vara_double(f->group, p->id[k], start, count, p->at[k])))
+        if (!cf_did(c, nc_get_vara_double(p->in[k], p->id[k], start, count, p->at[k])))
             return false;
         for (size_t i = 0; i < ny * nx; i++) p->at[k][i] = cf_unpack(&packing, p->at[k][i]);
     }
@@ -114,18 +115,18 @@ static bool read_places(struct cf_file *c, const struct cf_field *f, struct plac
 }
 
 /* True if a place is another one at the last time, as in a nest that follows a storm. */
-static bool move(struct cf_file *c, const struct cf_field *f, const struct places *p)
+static bool move(struct cf_file *c, const struct places *p)
 {
     for (int k = 0; k < 2; k++) {
         int n, dims[NC_MAX_VAR_DIMS];
         size_t times = 0;
         double v;
         struct cf_packing packing;
-        if (!cf_did(c, nc_inq_var(f->group, p->id[k], NULL, NULL, &n, dims, NULL))) return false;
-        if (n != 3 || nc_inq_dimlen(f->group, dims[0], &times) != NC_NOERR || times < 2) continue;
+        if (!cf_did(c, nc_inq_var(p->in[k], p->id[k], NULL, NULL, &n, dims, NULL))) return false;
+        if (n != 3 || nc_inq_dimlen(p->in[k], dims[0], &times) != NC_NOERR || times < 2) continue;
         const size_t last[3] = {times - 1, 0, 0};
-        cf_packing(c, f->group, p->id[k], &packing);
-        if (!cf_did(c, nc_get_var1_double(f->group, p->id[k], last, &v))) return false;
+        cf_packing(c, p->in[k], p->id[k], &packing);
+        if (!cf_did(c, nc_get_var1_double(p->in[k], p->id[k], last, &v))) return false;
         if (fabs(cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
     }
     return false;
@@ -236,8 +237,8 @@ void cf_curvilinear(struct cf_file *c, struct cf_field *f)
     const size_t ny = p.of[0]->n, nx = p.of[1]->n;
     p.skip[0] = 1 + ny / (2 * SAMPLES), p.skip[1] = 1 + nx / (2 * SAMPLES);
     double *x = xcalloc(nx, sizeof *x), *y = xcalloc(ny, sizeof *y);
-    if (read_places(c, f, &p)) {
-        if (move(c, f, &p))
+    if (read_places(c, &p)) {
+        if (move(c, &p))
             err_set(f->plane_fault, "%.30s and %.30s change with time", p.name[0], p.name[1]);
         else if (steps(c, &p, (double *[]){y, x})) {
             *f->plane = '\0';

@@ -18,13 +18,13 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
     int first = -1, curved = 0;
     const char *name = NULL;
     while (!name && (word = text_part(&rest, ' ')) != NULL) {
-        int id, n, dims[NC_MAX_VAR_DIMS];
+        int group = f->group, id, n, dims[NC_MAX_VAR_DIMS];
         nc_type type;
         char units[CF_TEXT];
-        if (!*word || nc_inq_varid(f->group, word, &id) != NC_NOERR ||
-            nc_inq_var(f->group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 1)
+        if (!*word || !cf_find_above(&group, word, &id) ||
+            nc_inq_var(group, id, NULL, &type, &n, dims, NULL) != NC_NOERR || n < 1)
             continue;
-        cf_text(c, f->group, id, "units", units);
+        cf_text(c, group, id, "units", units);
         if (n > 1 && type != NC_CHAR) *what = "a curvilinear grid";
         if (strncasecmp(units, "deg", 3) != 0 && strncasecmp(units, "rad", 3) != 0) continue;
         if (n > 1) name = curved++ ? "remapbil" : NULL; /* both are there */

@@ -35,23 +35,23 @@ static bool is_geopotential(struct cf_file *c, int group, int id, const char *na
     return is;
 }
 
-/* Returns 1 if the file has one, 0 if it has none, and -1 with a message in err if its unit is
+/* Returns 1 if the group has one, 0 if it has none, and -1 with a message in err if its unit is
  * wrong. */
-static int find_geopotential(
-    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
+static int find_geopotential_in(struct cf_file *c, int group, const struct cf_field *f,
+    struct cf_heights *h, char err[ERR_BYTES])
 {
     int n = 0;
     char name[NC_MAX_NAME + 1] = "", units[CF_TEXT];
-    cf_did(c, nc_inq_nvars(f->group, &n));
+    cf_did(c, nc_inq_nvars(group, &n));
     for (int k = 0; k < 2 * n; k++) { /* first those with a standard name */
         const int id = k % n;
         bool standard;
-        cf_did(c, nc_inq_varname(f->group, id, name));
-        if (!is_geopotential(c, f->group, id, name, &standard) || standard != (k < n)) continue;
-        cf_text(c, f->group, id, "units", units);
+        cf_did(c, nc_inq_varname(group, id, name));
+        if (!is_geopotential(c, group, id, name, &standard) || standard != (k < n)) continue;
+        cf_text(c, group, id, "units", units);
         h->metres = cf_metres_in(units);
         if (h->metres <= 0 && !standard) continue;
-        if (cf_field_read(c, f->group, id, &h->geopotential, err) &&
+        if (cf_field_read(c, group, id, &h->geopotential, err) &&
             cf_same_axes(f, &h->geopotential)) {
             if (h->metres > 0) return 1;
             err_set(err, "%.60s is in '%.60s', expected a length or m2 s-2", name, units);
@@ -60,6 +60,16 @@ static int find_geopotential(
         cf_field_free(&h->geopotential);
     }
     return 0;
+}
+
+/* The same of the field's group and those that enclose it. */
+static int find_geopotential(
+    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
+{
+    int group = f->group, found;
+    do found = find_geopotential_in(c, group, f, h, err);
+    while (!found && nc_inq_grp_parent(group, &group) == NC_NOERR);
+    return found;
 }
 
 /* Finds the geopotential of the model WRF, the sum of two variables. */

@@ -23,7 +23,8 @@ static const struct mapping {
     {"oblique_mercator", "omerc", {NULL}, true, false},
     {"lambert_azimuthal_equal_area", "laea", {NULL}, true, false},
     {"azimuthal_equidistant", "aeqd", {NULL}, true, false},
-    {"lambert_cylindrical_equal_area", "cea", {"lat_ts"}, false, false}};
+    {"lambert_cylindrical_equal_area", "cea", {"lat_ts"}, false, false},
+    {"geostationary", "geos", {NULL}, false, false}};
 
 /* ---- attributes ------------------------------------------------------------------------------ */
 
@@ -100,6 +101,18 @@ static bool rotated(const struct place *at, char text[PROJECTION_TEXT], char err
     return true;
 }
 
+/* Appends the height of a satellite over the equator, and the axis about which its scan sweeps. */
+static bool add_satellite(const struct place *at, char text[PROJECTION_TEXT])
+{
+    char sweep[CF_TEXT], fixed[CF_TEXT];
+    cf_text(at->c, at->group, at->id, "sweep_angle_axis", sweep);
+    cf_text(at->c, at->group, at->id, "fixed_angle_axis", fixed);
+    const size_t n = strlen(text);
+    if (strcmp(sweep, "x") == 0 || strcmp(fixed, "y") == 0)
+        snprintf(text + n, PROJECTION_TEXT - n, " +sweep=x");
+    return add(at, "perspective_point_height", "h", text);
+}
+
 /* Writes the string of one of the table. metres: in a unit of the coordinates, and of their false
  * origin. */
 static bool compose(const struct place *at, const struct mapping *m, double metres,
@@ -122,6 +135,8 @@ static bool compose(const struct place *at, const struct mapping *m, double metr
     for (size_t i = 0; !lon && i < sizeof lons / sizeof *lons; i++)
         lon = add(at, lons[i], key, text);
     if (!lon) return lacks(m->name, lons[0], err);
+    if (strcmp(m->proj, "geos") == 0 && !add_satellite(at, text))
+        return lacks(m->name, "perspective_point_height", err);
     add(at, "azimuth_of_central_line", "alpha", text);
     if (!n && !add(at, "scale_factor_at_projection_origin", "k_0", text))
         add(at, "scale_factor_at_central_meridian", "k_0", text);
@@ -152,6 +167,14 @@ static double metres_in(const char *unit)
                                      : 0;
 }
 
+/* The same on the field's plane, where angles may be places. */
+static double metres_on(const struct cf_field *f, const char *unit)
+{
+    const double metres = metres_in(unit);
+    if (metres > 0 || f->radian_m <= 0) return metres;
+    return f->radian_m * (strcmp(unit, "rad") == 0 ? 1 : cf_in_units(unit, "rad"));
+}
+
 void cf_mapping_read(struct cf_file *c, struct cf_field *f)
 {
     char *words = cf_whole_text(c, f->group, f->id, "grid_mapping"), *rest = words, *word;
@@ -172,6 +195,8 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
             if (strcmp(name, mappings[i].name) != 0) continue;
             known = true;
             good = compose(&at, &mappings[i], metres, f->plane, f->plane_fault);
+            if (strcmp(name, "geostationary") == 0)
+                real(&at, "perspective_point_height", &f->radian_m);
         }
         if (!good) *f->plane = '\0';
         else if (!known && *name && strcmp(name, "latitude_longitude") != 0)
@@ -189,7 +214,7 @@ void cf_mapping_use(struct cf_field *f)
     for (int i = 0; fits && i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->kind > CF_Y) continue;
-        fits = rotated ? strncmp(a->units, "degree", 6) == 0 : metres_in(a->units) > 0;
+        fits = rotated ? strncmp(a->units, "degree", 6) == 0 : metres_on(f, a->units) > 0;
     }
     if (fits && projection_possible()) {
         p = projection_open(f->plane, err);
@@ -203,7 +228,7 @@ void cf_mapping_use(struct cf_field *f)
         if (a->kind > CF_Y) continue;
         a->rotated = a->rotated || rotated;
         if (rotated) continue;
-        const double metres = metres_in(a->units);
+        const double metres = metres_on(f, a->units);
         for (size_t k = 0; metres != 1 && k < a->n; k++) a->at[k] *= metres;
         snprintf(a->units, CF_TEXT, "m");
     }

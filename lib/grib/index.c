@@ -66,10 +66,23 @@ bool gb_same_grid(const struct gb_entry *a, const struct gb_entry *b)
     return same;
 }
 
+/* ecCodes calls all parameters "unknown" that its tables lack. Their numbers tell them apart. */
+static void read_name(const codes_handle *h, char name[GB_TEXT])
+{
+    gb_text(h, "shortName", name, GB_TEXT);
+    if (strcmp(name, "unknown") != 0) return;
+    if (gb_long(h, "edition") == 2)
+        snprintf(name, GB_TEXT, "unknown.%ld.%ld.%ld", gb_long(h, "discipline"),
+            gb_long(h, "parameterCategory"), gb_long(h, "parameterNumber"));
+    else
+        snprintf(name, GB_TEXT, "unknown.%ld.%ld", gb_long(h, "table2Version"),
+            gb_long(h, "indicatorOfParameter"));
+}
+
 static void read_entry(const struct gb_file *in, struct gb_entry *e)
 {
     *e = (struct gb_entry){.number = in->number};
-    gb_text(in->h, "shortName", e->name, GB_TEXT);
+    read_name(in->h, e->name);
     gb_text(in->h, "name", e->long_name, GB_TEXT);
     gb_text(in->h, "units", e->units, GB_TEXT);
     gb_text(in->h, "typeOfLevel", e->levels, GB_TEXT);

@@ -12,6 +12,7 @@ static const struct mesh_loss names[LOSSES + 1] = {
         "written without them", 0},
     [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
+    [LOSS_HOLES] = {"materials whose alpha cuts holes", "written without holes", 0},
     [LOSS_COLOURS] = {"meshes with colours at their vertices", "each face has their mean", 0},
     [LOSS_UNREAD_COLOURS] = {"colours of a PLY's faces, or of other names than red, green and blue",
         "left out", 0},

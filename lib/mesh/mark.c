@@ -1,12 +1,14 @@
 /* mark: files through libassimp without what it does not read: the byte order mark that some
  * programs write first, and in an OBJ numbers such as .5, whose corner it leaves out, blanks before
- * a word, comments behind numbers, and blanks behind the name of a material library. */
+ * a word, comments behind numbers, and blanks behind the name of a material library, quotes around
+ * it, or a second name. */
 #include "mesh/mesh_int.h"
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MARK 3 /* bytes */
 
@@ -45,6 +47,7 @@ static bool is_bare(const char *line, size_t i)
  * numbers, or blanks behind the name of a material library. The line's end follows them. */
 struct span {
     size_t from, to, end;
+    bool library; /* the line names libraries of materials */
 };
 
 static struct span span_of(const char *line, size_t n)
@@ -54,7 +57,7 @@ static struct span span_of(const char *line, size_t n)
         bool numbers;
     } words[] = {
         {"v", true}, {"vn", true}, {"vt", true}, {"f", true}, {"usemtl", false}, {"mtllib", false}};
-    struct span s = {0, n, n};
+    struct span s = {0, n, n, false};
     const size_t lead = strspn(line, " \t"), word = strcspn(line + lead, " \t\r\n");
     while (s.end > 0 && (line[s.end - 1] == '\n' || line[s.end - 1] == '\r')) s.end--;
     s.to = s.end;
@@ -63,17 +66,28 @@ static struct span span_of(const char *line, size_t n)
             continue;
         const char *comment = words[i].numbers ? memchr(line, '#', s.end) : NULL;
         s.from = lead;
+        s.library = strcmp(words[i].word, "mtllib") == 0;
         if (comment) s.to = (size_t)(comment - line);
         while (!words[i].numbers && strchr(" \t", line[s.to - 1])) s.to--;
     }
     return s;
 }
 
+/* True of the blank between two names of libraries. A name may have blanks itself. */
+static bool parts_names(const char *line, size_t i, const struct span *s)
+{
+    if (!s->library || i < s->from + sizeof "mtllib x.mtl" - 1 || !strchr(" \t", line[i]))
+        return false;
+    return strncasecmp(line + i - 4 - (line[i - 1] == '"'), ".mtl", 4) == 0;
+}
+
 static bool is_odd(const char *line, size_t n)
 {
     const struct span s = span_of(line, n);
     bool odd = s.from > 0 || s.to < s.end;
-    for (size_t i = s.from; i < s.to; i++) odd = odd || is_bare(line + s.from, i - s.from);
+    for (size_t i = s.from; i < s.to; i++)
+        odd = odd || is_bare(line + s.from, i - s.from) || (s.library && line[i] == '"') ||
+              parts_names(line, i, &s);
     return odd;
 }
 
@@ -99,7 +113,8 @@ static void copy_mended(FILE *from, FILE *to)
         const struct span s = span_of(line, (size_t)n);
         for (size_t i = s.from; i < s.to; i++) {
             if (is_bare(line + s.from, i - s.from)) putc('0', to);
-            putc(line[i], to);
+            if (parts_names(line, i, &s)) fputs("\nmtllib", to);
+            if (!s.library || line[i] != '"') putc(line[i], to);
         }
         fwrite(line + s.end, 1, (size_t)n - s.end, to);
     }

@@ -34,12 +34,12 @@ static bool colour(const struct aiMaterial *m, const char *key, struct vec3 *out
     return is;
 }
 
-/* glTF's alpha counts only where its mode says so. */
-static bool alpha_counts(const struct aiMaterial *m)
+/* True if the alpha of a glTF has this mode. Materials of other formats have none: otherwise. */
+static bool has_alpha(const struct aiMaterial *m, const char *mode, bool otherwise)
 {
-    struct aiString mode;
-    return aiGetMaterialString(m, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS ||
-           strcmp(mode.data, "BLEND") == 0;
+    struct aiString s;
+    const bool is = aiGetMaterialString(m, AI_MATKEY_GLTF_ALPHAMODE, &s) == aiReturn_SUCCESS;
+    return is ? strcmp(s.data, mode) == 0 : otherwise;
 }
 
 /*
@@ -61,7 +61,7 @@ static struct material translate(const struct aiMaterial *m)
     colour(m, "$clr.diffuse", &c);
     if (is_made_up(m, c)) c = v3(1, 1, 1);
     out.r = c.x, out.g = c.y, out.b = c.z;
-    double opacity = alpha_counts(m) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
+    double opacity = has_alpha(m, "BLEND", true) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
     double through = within(real(m, "$mat.transmission.factor", 0), 0, 1);
     out.kd = opacity * (1 - through);
     out.t = 1 - out.kd;
@@ -111,6 +111,7 @@ void mesh_materials_find(struct mesh *m)
         m->loss[LOSS_TEXTURES].n += has_texture(from);
         m->loss[LOSS_EMISSION].n +=
             colour(from, "$clr.emissive", &glow) && glow.x + glow.y + glow.z > 0;
+        m->loss[LOSS_HOLES].n += has_alpha(from, "MASK", false);
         m->loss[LOSS_METAL].n += real(from, "$mat.metallicFactor", 0) > 0;
     }
     free(used);

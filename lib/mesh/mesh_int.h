@@ -21,6 +21,7 @@ enum mesh_loss_kind {
     LOSS_MAPPINGS,
     LOSS_EMISSION,
     LOSS_METAL,
+    LOSS_HOLES,
     LOSS_COLOURS,
     LOSS_UNREAD_COLOURS,
     LOSS_BONES,

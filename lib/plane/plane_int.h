@@ -11,6 +11,7 @@ enum plane_kind {
     PLANE_CYLINDER, /* at any one meridian */
     PLANE_POINT,    /* at the point opposite to its centre */
     PLANE_NEAR,     /* somewhere far from the map */
+    PLANE_DISC,     /* where a satellite sees its horizon */
     PLANE_ROTATED   /* the plane is the rotated sphere, as degrees */
 };
 /* A string of PROJ after all its words were checked. */
@@ -19,6 +20,7 @@ struct plane_words {
     enum plane_kind kind;
     bool polar, south, longlat; /* ups; a word of the same name; o_proj=longlat */
     double lon_0, lat_0;
+    double height; /* of a satellite, in metres */
 };
 /* False with a message in err if a word is not known. The caller frees w->text anyway. */
 bool plane_words(const char *proj, struct plane_words *w, char err[ERR_BYTES]);

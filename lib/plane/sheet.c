@@ -12,6 +12,8 @@
 #define POLE_GAP .1      /* degrees: left out where a pole is infinitely far away */
 #define TURNS 1800.0     /* degrees: no map goes round the globe as often */
 #define BEYOND 1e9       /* metres: rather infinite */
+#define EARTH 6378137.   /* metres: radius at the equator */
+#define LIMB .3          /* degrees: no nearer to the horizon, which the flattening moves */
 
 static void vector_of(struct plane_at degrees, double v[3])
 {
@@ -38,7 +40,7 @@ static void set_pole(struct plane *p, struct plane_at pole)
 
 static bool is_turned(const struct plane *p)
 {
-    return p->kind == PLANE_POINT || p->kind == PLANE_NEAR;
+    return p->kind == PLANE_POINT || p->kind == PLANE_NEAR || p->kind == PLANE_DISC;
 }
 
 struct plane_sheet plane_sheet(const struct plane *p) { return p->sheet; }
@@ -132,6 +134,11 @@ static bool set_sheet(
         set_pole(p, centre);
         p->sheet = (struct plane_sheet){0, 90 - reach(p, lo, hi), 90};
         return true;
+    case PLANE_DISC:
+        set_pole(p, centre);
+        p->sheet.middle = 0;
+        p->sheet.lo = asin(EARTH / (EARTH + w->height)) / RADIANS + LIMB;
+        return p->sheet.lo < 90;
     case PLANE_POINT:
         set_pole(p, centre);
         p->sheet = (struct plane_sheet){0, OPPOSITE, 90};

@@ -13,11 +13,11 @@ static const struct projection projections[] = {{"lcc", PLANE_CONE}, {"aea", PLA
     {"eqdc", PLANE_CONE}, {"merc", PLANE_CYLINDER}, {"eqc", PLANE_CYLINDER},
     {"cea", PLANE_CYLINDER}, {"stere", PLANE_POINT}, {"ups", PLANE_POINT}, {"laea", PLANE_POINT},
     {"aeqd", PLANE_POINT}, {"tmerc", PLANE_NEAR}, {"utm", PLANE_NEAR}, {"omerc", PLANE_NEAR},
-    {"ob_tran", PLANE_ROTATED}};
+    {"geos", PLANE_DISC}, {"ob_tran", PLANE_ROTATED}};
 
-static const char *const numbers[] = {"R", "a", "alpha", "b", "f", "gamma", "k", "k_0", "lat_0",
-    "lat_1", "lat_2", "lat_ts", "lon_0", "lon_1", "lon_2", "lonc", "o_lat_p", "o_lon_p", "rf",
-    "x_0", "y_0", "zone"};
+static const char *const numbers[] = {"R", "a", "alpha", "b", "f", "gamma", "h", "k", "k_0",
+    "lat_0", "lat_1", "lat_2", "lat_ts", "lon_0", "lon_1", "lon_2", "lonc", "o_lat_p", "o_lon_p",
+    "rf", "x_0", "y_0", "zone"};
 /* The others are nothing to PROJ here: they say that this is a whole system of coordinates. */
 static const char *const flags[] = {"no_off", "no_rot", "no_uoff", "south"};
 static const char *const idle[] = {"no_defs", "wktext", "units=m", "type=crs"};
@@ -47,6 +47,7 @@ static bool set_number(struct plane_words *w, const char *key, const char *value
     if (!IS_AMONG(key, numbers) || !parse_real(value, -1e9, 1e9, &v)) return false;
     if (strcmp(key, "lon_0") == 0) w->lon_0 = v = remainder(v, 360);
     if (strcmp(key, "lat_0") == 0) w->lat_0 = v;
+    if (strcmp(key, "h") == 0) w->height = v;
     buf_printf(&w->text, "+%s=%.17g ", key, v);
     return true;
 }
@@ -60,6 +61,8 @@ static bool set_name(struct plane_words *w, const char *key, const char *value)
     } else if (strcmp(key, "o_proj") == 0) {
         w->longlat = strcmp(value, "longlat") == 0 || strcmp(value, "latlong") == 0;
         if (!w->longlat) return false;
+    } else if (strcmp(key, "sweep") == 0) {
+        if (strcmp(value, "x") != 0 && strcmp(value, "y") != 0) return false;
     } else if (!ellipsoid && !(strcmp(key, "datum") == 0 && strcmp(value, "WGS84") == 0))
         return false;
     if (strlen(value) > 16 || value[strspn(value, "abcdefghijklmnopqrstuvwxyz"

@@ -13,6 +13,7 @@ struct window {
     int w, h;   /* of the texture */
     bool shift; /* is it down? By the keys before this event: SDL_GetModState knows later ones. */
     SDL_Scancode pressed; /* the last key */
+    bool repeated;        /* it is held down */
 };
 
 static struct window *failed(struct window *w, char err[ERR_BYTES])
@@ -142,10 +143,11 @@ static bool take_window(const SDL_WindowEvent *w, struct window_event *e)
 
 static bool take(struct window *win, const SDL_Event *s, struct window_event *e)
 {
-    *e = (struct window_event){.what = WINDOW_CLOSE};
+    *e = (struct window_event){.what = WINDOW_CLOSE, .repeated = win->repeated};
     switch (s->type) {
     case SDL_QUIT: return true;
     case SDL_KEYDOWN:
+        e->repeated = win->repeated = s->key.repeat;
         win->shift = s->key.keysym.mod & KMOD_SHIFT;
         win->pressed = s->key.keysym.scancode;
         return take_key(&s->key, e);

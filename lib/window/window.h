@@ -33,6 +33,7 @@ enum window_what {
 struct window_event {
     enum window_what what;
     int key;
+    bool repeated; /* the key is held down */
     double x, y, dx, dy;
     uint32_t w, h;
 };
