@@ -49,20 +49,31 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-# lasting METHOD: the same, but half of the tasks come when the file go is there, so that the run lasts until then. balance
-# also calls partition before the run, to count the tasks that are left. That call must not wait.
+# feed: passes tasks on: half of them at once, then some in a second, so that a host that is up late gets some, and the last one
+# when the file go is there. So the run lasts until then.
+cat >feed <<END
+#!/bin/sh
+tasks=\$(cat) sent=0
+n=\$(echo "\$tasks" | wc -l)
+echo "\$tasks" | while read -r task; do
+	sent=\$((sent + 1)) polls=0
+	until [ \$((2 * sent)) -le \$n ] || [ -e '$tmp/go' ]; do
+		sleep .05
+		[ \$((polls += 1)) -lt 4 ] || [ \$sent -eq \$n ] || break
+	done
+	echo "\$task"
+done
+END
+# lasting METHOD: begins a run that is fed so. balance also calls partition before the run, to count the tasks that are left.
+# That call must not wait.
 all_in late
 rm late/partition
 cat >late/partition <<END
 #!/bin/sh
 case \$* in *@- | *1x1@*) exec '$root/bin/partition' "\$@" ;; esac
-tasks=\$('$root/bin/partition' "\$@") || exit
-half=\$((\$(echo "\$tasks" | wc -l) / 2))
-echo "\$tasks" | head -n \$half
-until [ -e '$tmp/go' ]; do sleep .05; done
-echo "\$tasks" | tail -n +\$((half + 1))
+'$root/bin/partition' "\$@" | '$tmp/feed'
 END
-chmod +x late/partition
+chmod +x feed late/partition
 lasting() { PATH=$tmp/late:$PATH begin "$@"; }
 at_work() { grep -aqE '(done|frag) 0 [0-9]+ .* w=1' job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
@@ -311,19 +322,19 @@ for method in masterslave interleaved; do
 		end
 	done
 done
-# tree: two workers on each host, under a deal there; the pid is that of the shell that waits for it. The input stays open
-# until the file killed is there, so that the run lasts until then.
+# tree: two workers on each host, under a deal there; the pid is that of the shell that waits for it.
 tree() {
-	rm -f out.pfm job.log killed
-	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; until [ -e killed ]; do sleep .1; done; } |
+	rm -f out.pfm job.log go
+	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192 | ./feed; } |
 		deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 36 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
 	job=$!
 	reach_work
 }
+hosts power host2 .4 # it has to start five processes
 name='a tree, kill -9 of gather'
 tree
 kill -9 $(here gather)
-: >killed
+: >go
 ok "$name: no process remains on any host" await 2 none_left
 wait $job
 name='a tree, kill -9 of a worker'
@@ -331,7 +342,7 @@ tree
 kill -9 "$(hosts pids host2 rtworker | head -n 1)"
 remote='^host2: fan: slot [01]: lost (signal-9) with [01] tasks'
 await 20 grep -q "$remote" said
-: >killed
+: >go
 wait $job
 is "$name: exit 0" $? 0
 ok "$name: the same picture" cmp out.pfm good.pfm
