@@ -47,7 +47,7 @@ static bool is_bare(const char *line, size_t i)
  * numbers, or blanks behind the name of a material library. The line's end follows them. */
 struct span {
     size_t from, to, end;
-    bool library; /* the line names libraries of materials */
+    bool mtllib; /* the line names files of materials */
 };
 
 static struct span span_of(const char *line, size_t n)
@@ -66,7 +66,7 @@ static struct span span_of(const char *line, size_t n)
             continue;
         const char *comment = words[i].numbers ? memchr(line, '#', s.end) : NULL;
         s.from = lead;
-        s.library = strcmp(words[i].word, "mtllib") == 0;
+        s.mtllib = strcmp(words[i].word, "mtllib") == 0;
         if (comment) s.to = (size_t)(comment - line);
         while (!words[i].numbers && strchr(" \t", line[s.to - 1])) s.to--;
     }
@@ -76,9 +76,21 @@ static struct span span_of(const char *line, size_t n)
 /* True of the blank between two names of libraries. A name may have blanks itself. */
 static bool parts_names(const char *line, size_t i, const struct span *s)
 {
-    if (!s->library || i < s->from + sizeof "mtllib x.mtl" - 1 || !strchr(" \t", line[i]))
+    if (!s->mtllib || i < s->from + sizeof "mtllib x.mtl" - 1 || !strchr(" \t", line[i]))
         return false;
     return strncasecmp(line + i - 4 - (line[i - 1] == '"'), ".mtl", 4) == 0;
+}
+
+/* What has to stand before byte i of a span; NULL: nothing. */
+static const char *before(const char *line, size_t i, const struct span *s)
+{
+    if (is_bare(line + s->from, i - s->from)) return "0";
+    return parts_names(line, i, s) ? "\nmtllib" : NULL;
+}
+
+static bool is_quote(const char *line, size_t i, const struct span *s)
+{
+    return s->mtllib && line[i] == '"';
 }
 
 static bool is_odd(const char *line, size_t n)
@@ -86,8 +98,7 @@ static bool is_odd(const char *line, size_t n)
     const struct span s = span_of(line, n);
     bool odd = s.from > 0 || s.to < s.end;
     for (size_t i = s.from; i < s.to; i++)
-        odd = odd || is_bare(line + s.from, i - s.from) || (s.library && line[i] == '"') ||
-              parts_names(line, i, &s);
+        odd = odd || before(line, i, &s) || is_quote(line, i, &s);
     return odd;
 }
 
@@ -112,9 +123,9 @@ static void copy_mended(FILE *from, FILE *to)
     while ((n = getline(&line, &room, from)) > 0) {
         const struct span s = span_of(line, (size_t)n);
         for (size_t i = s.from; i < s.to; i++) {
-            if (is_bare(line + s.from, i - s.from)) putc('0', to);
-            if (parts_names(line, i, &s)) fputs("\nmtllib", to);
-            if (!s.library || line[i] != '"') putc(line[i], to);
+            const char *more = before(line, i, &s);
+            if (more) fputs(more, to);
+            if (!is_quote(line, i, &s)) putc(line[i], to);
         }
         fwrite(line + s.end, 1, (size_t)n - s.end, to);
     }
