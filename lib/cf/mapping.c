@@ -153,9 +153,7 @@ static bool find_mapping(struct cf_file *c, const struct cf_field *f, char *word
     char *colon = strchr(word, ':');
     if (colon) *colon = '\0';
     *at = (struct place){c, f->group, -1};
-    while (*word && nc_inq_varid(at->group, word, &at->id) != NC_NOERR)
-        if (nc_inq_grp_parent(at->group, &at->group) != NC_NOERR) return false;
-    return *word;
+    return *word && cf_find_above(&at->group, word, &at->id);
 }
 
 /* Metres in a unit of a coordinate; 0 if it is no length. */

@@ -136,8 +136,7 @@ static bool set_sheet(
         return true;
     case PLANE_DISC:
         set_pole(p, centre);
-        p->sheet.middle = 0;
-        p->sheet.lo = asin(EARTH / (EARTH + w->height)) / RADIANS + LIMB;
+        p->sheet = (struct plane_sheet){0, asin(EARTH / (EARTH + w->height)) / RADIANS + LIMB, 90};
         return p->sheet.lo < 90;
     case PLANE_POINT:
         set_pole(p, centre);

@@ -237,7 +237,7 @@ void controls_take(struct viewer *v, const struct window_event *e)
         const struct control *c = &controls[i];
         if (c->what != e->what || e->key < c->first || e->key > c->last) continue;
         const bool steps = c->x != 0 || c->y != 0; /* as long as the key is held */
-        if (e->repeated && e->what == WINDOW_KEY && !steps) return;
+        if (e->repeated && !steps) return;
         c->act(&(struct act){v, e, c->x, c->y});
         return;
     }

@@ -143,7 +143,7 @@ static bool take_window(const SDL_WindowEvent *w, struct window_event *e)
 
 static bool take(struct window *win, const SDL_Event *s, struct window_event *e)
 {
-    *e = (struct window_event){.what = WINDOW_CLOSE, .repeated = win->repeated};
+    *e = (struct window_event){.what = WINDOW_CLOSE};
     switch (s->type) {
     case SDL_QUIT: return true;
     case SDL_KEYDOWN:
@@ -152,7 +152,9 @@ static bool take(struct window *win, const SDL_Event *s, struct window_event *e)
         win->pressed = s->key.keysym.scancode;
         return take_key(&s->key, e);
     case SDL_KEYUP: win->shift = s->key.keysym.mod & KMOD_SHIFT; return false;
-    case SDL_TEXTINPUT: return take_text(s->text.text, win->pressed, e);
+    case SDL_TEXTINPUT:
+        e->repeated = win->repeated;
+        return take_text(s->text.text, win->pressed, e);
     case SDL_MOUSEMOTION: return take_motion(&s->motion, win->shift, e);
     case SDL_MOUSEWHEEL:
         e->what = WINDOW_WHEEL;
