@@ -60,6 +60,11 @@ told 'elsewhere' 'a mem=4096M nice=2 via="sh -c %c"' "a: $((now + 2)),a: 4194304
 told 'elsewhere, in a directory' "a nice=1 bin=$root/bin via=\"sh -c %c\"" \
 	"a: $((now + 1)),a: $bound,"
 told 'neither' 'a nice=0 via="sh -c %c"' "a: $now,a: $bound,"
+# A worker that is kept from running for 1 s, between hello and the last task: 41 s are allowed.
+printf '%s\n' '#!/bin/sh' 'rtworker "$@" | { dd bs=1 count=500 2>&-; sleep 1; exec cat; }' >tardy && chmod +x tardy
+echo ': nice=19' >hosts && spdgen -s 1 tetra >tetra.nff
+run sh -c '{ pack scene tetra.nff; partition 8x8; } | deal fan -t .6 -S hosts ./tardy - | gather -o tetra.png'
+is 'a niced worker has longer' "$status:$err" 0:
 # bad LINE MESSAGE
 bad() {
 	printf '%s\n' "$1" >bad

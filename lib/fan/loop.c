@@ -17,11 +17,14 @@
 #define HEAR_BYTES 65536
 #define LEAVING_MS 100 /* poll while a slot is exiting: SIGCHLD reports its end, not its staying */
 
-/* The silence allowed to slot s, in microseconds; 0: no limit. */
+/*
+ * The silence allowed to slot s, in microseconds; 0: no limit. Others on its machine may keep a
+ * worker with nice= from running; -t is meant for one without.
+ */
 static double silence_allowed_us(const struct fan *f, const struct fan_slot *s)
 {
     const bool opening = s->state == FAN_OPENING, here = s->host->here;
-    const double stated_us = f->o->silence_s * 1e6;
+    const double stated_us = f->o->silence_s * 1e6 * pow(PATIENCE_NICE_TIMES, s->host->host->nice);
     if (fan_slot_over(f, s) && !s->n_tasks && here && !opening) return PATIENCE_CLOSING_US;
     if (fan_slot_has_asked(s)) return PATIENCE_REACH_US + fan_send_time_s(s) * 1e6;
     if (fan_slot_in_queue(s))

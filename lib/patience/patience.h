@@ -22,6 +22,9 @@
 
 /* Silence of a slot that has work, or of a command that owes tasks. */
 #define PATIENCE_SILENCE_US 3000000
+/* The factor of this silence for each step of nice=: Linux gives a process of the next niceness so
+ * much less of a processor that others want (Molnar, "CFS scheduler", sched-nice-design, 2007). */
+#define PATIENCE_NICE_TIMES 1.25
 /* Until hello, of a worker on this machine: it starts and tests itself in 10 ms when idle. -t */
 #define PATIENCE_HELLO_US 10000000
 /* Until hello, of another host: ssh has 10 s to connect. -t */
