@@ -439,6 +439,9 @@ third() { case $1 in 21) echo 0.67741936 ;; 10) echo 0.32258064 ;; esac; }
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
 like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, each face has their mean$'
+sed '/^property uchar blue/a property uchar alpha
+/^[0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]*$/s/$/ 128/' colours.ply >clear.ply
+like 'their alpha is named' "$(mesh2nff clear.ply 2>&1 >a)" 'meshes whose colours at vertices have an alpha: 1, written as opaque$'
 sed 's/^property list.*/&\nproperty uchar red/; s/^\([34] .*\)/\1 9/' text.ply >painted.ply
 like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's faces, .*: 1, left out$"
 printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj

@@ -23,6 +23,7 @@ enum mesh_loss_kind {
     LOSS_METAL,
     LOSS_HOLES,
     LOSS_COLOURS,
+    LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
     LOSS_BONES,
     LOSS_MORPHS,
