@@ -165,6 +165,11 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
     m->scene =
         m->odd_lines || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
+    if (m->scene && m->lost_libraries) { /* their names may be there in another case */
+        aiReleaseImport(m->scene);
+        m->lost_libraries = 0;
+        m->scene = mesh_import_mended(path);
+    }
     return m->scene || refused(err);
 }
 
