@@ -151,6 +151,12 @@ like 'x of a rotated sphere is named so, whatever its name' "$(sed -n 2p a.vtk)"
 make_nc rounded "$cube" "$axes float f(z, y, x); f:missing_value = -999.9;" "$nodes f = 1, -999.9, 3, 4, 5, 6, 7, 8;"
 is 'a missing value that is more precise than the values is recognised' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
 
+make_nc west "$cube" 'float x(x); x:units = "degrees_west"; float y(y); y:units = "degrees_south"; float z(z); float s(z, y, x);' \
+	"$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
+is 'degrees to the west and to the south are turned' \
+	"$(got west.nc s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)|$(sed -n 2p a.vtk)" \
+	'4 3 2 1 8 7 6 5:-2 -1|-4 -3|s []; x x [degrees_east]; y y [degrees_north]; z z []'
+
 make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "degrees_east"; float lat(lat); lat:units = "degrees_north";
 	float lev(lev); lev:positive = "up"; double t(t); t:units = "days since 2000-1-1"; float s(lon, lev, t, lat);' \
 	"lon = 1, 2, 3, 4; lat = 9, 8, 7; lev = 20, 10; t = 0, 1; s = $(seq -s, 0 47);"
@@ -241,6 +247,8 @@ group: m { variables: float s(lev, j, i); s:coordinates = "lon lat"; data: s = 1
 }
 END
 ncgen -k nc4 -o curved.nc curved.cdl
+sed 's/degrees_east/degrees_west/; s/degrees_north/degrees_south/' curved.cdl | ncgen -k nc4 -o away.nc
+is 'also those of each node' "$(got -z away.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)" '4 3 2 1 8 7 6 5:-9 -7|-51 -50'
 is 'and so are longitudes, latitudes and geopotential heights of each node' \
 	"$(got -z curved.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)|$(on_line coordinates Z a.vtk)" '1 2 3 4 5 6 7 8:7 9|50 51|1500 5600'
 

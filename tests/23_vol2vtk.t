@@ -144,7 +144,7 @@ is 'MetaImage: text' "$(got a.mha)" "$numbers"
 	cat short.raw; bytes i2 '<' 1 2 3 4 5 6 7 8 9 10 11 12; } >t.mha
 is 'MetaImage: the second time' "$(got -k 1 t.mha):$(axes)" '4 5 6 1 2 3 10 11 12 7 8 9:10 12 14:19 20:30 30.5'
 says t.mha '2 components, expected -k'
-for case in 'NDims = 2|NDims: 2' 'NDims = 4|DimSize' 'DimSize = 3 2 1|1 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
+for case in 'NDims = 2|NDims: 2' 'NDims = 4|DimSize' 'DimSize = 3 2 0|0 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
 	'CompressedData = True|could be unpacked' 'HeaderSize = 99|HeaderSize' 'ElementNumberOfChannels = 0|ElementNumberOfChannels' \
 	'ElementSpacing = 1 0 1|a step of 0' 'Offset = 1 2|Offset'; do
 	{ meta MET_SHORT False False LOCAL "${case%|*}"; cat short.raw; } >bad.mha
@@ -256,6 +256,17 @@ is 'VTK XML: rectilinear, y reversed' "$(got a.vtr p):$(axes)" '7 8 9 4 5 6 1 2 
 is 'VTK XML: cells' "$(got a.vtr c):$(axes)" '3 4 1 2 7 8 5 6:0.5 2:3 4.5:0.25 0.75'
 is '-l' "$(vol2vtk -l a.vtr)" "$(printf 'p\tnodes\t3x3x3\tfloat32\t1\nc\tcells\t2x2x2\tuint8\t1\nv\tcells\t2x2x2\tuint8\t2')"
 says a.vtr '3 arrays, expected the name of one: p, c, v$'
+flat() { # EXTENT
+	echo "<VTKFile type='ImageData'><ImageData WholeExtent='$1' Spacing='2 1 1'><Piece Extent='$1'>
+		<PointData><DataArray type='Int16' Name='p' format='ascii'>1 2 3 4 5 6 7 8 9</DataArray></PointData>
+		<CellData><DataArray type='Int16' Name='c' format='ascii'>1 2 3 4</DataArray></CellData></Piece></ImageData></VTKFile>"
+}
+flat '0 2 0 2 4 4' >flat.vti
+is 'VTK XML: a flat image' "$(got flat.vti p):$(axes)" '1 2 3 4 5 6 7 8 9:0 2 4:0 1 2:4'
+is 'its cells' "$(got flat.vti c):$(axes)" '1 2 3 4:1 3:0.5 1.5:4'
+flat '4 4 0 2 0 2' >upright.vti
+run vol2vtk upright.vti p
+like 'flat along x' "$status:$err" '^2:vol2vtk: upright.vti: 1 nodes along x, expected 2 at least; only z may have 1$'
 run vol2vtk a.vtr q
 like 'no such array' "$status:$err" '^2:vol2vtk: a.vtr: q: no such array, expected one of: p, c, v$'
 run vol2vtk -k 2 a.vtr v
@@ -307,6 +318,8 @@ two 2 8 int
 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16
 END_
 is 'VTK legacy: an image, cells' "$(got a.legacy 'heat flux'):$(axes)" '1 2 3 4 5 6 7 8:11 13:20.5 21.5:30.25 30.75'
+sed 's/^DIMENSIONS.*/DIMENSIONS 3 5 1/' a.legacy >flat.legacy
+is 'VTK legacy: a flat image, cells' "$(got flat.legacy 'heat flux'):$(axes)" '1 2 3 4 5 6 7 8:11 13:20.5 21.5 22.5 23.5:30'
 is 'VTK legacy: the length of vectors' "$(got -k length a.legacy wind)" '3 7 9 9 1 2 3 4'
 is 'VTK legacy: a field' "$(got -k 1 a.legacy two)" '2 4 6 8 10 12 14 16'
 { sed -n '1,2p' a.legacy; printf 'BINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 2\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 12\nSCALARS s short 1\nLOOKUP_TABLE default\n'
@@ -326,7 +339,7 @@ while IFS='|' read -r from to message; do
 done <<'END_'
 STRUCTURED_POINTS|UNSTRUCTURED_GRID|expected STRUCTURED_POINTS or RECTILINEAR_GRID
 CELL_DATA 8|CELL_DATA 9|expected the number of cells
-DIMENSIONS 3 3 3|DIMENSIONS 3 3 1|1 nodes on axis 3
+DIMENSIONS 3 3 3|DIMENSIONS 3 3 0|0 nodes on axis 3
 DIMENSIONS 3 3 3|DIMENSIONS 3 3 x|expected a number of nodes
 two 2 8 int|two 2 800000 int|numbers, expected
 SPACING 2|SPACING two|expected a number

@@ -439,6 +439,9 @@ third() { case $1 in 21) echo 0.67741936 ;; 10) echo 0.32258064 ;; esac; }
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
 like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, each face has their mean$'
+sed '/^property uchar blue/a property uchar alpha
+/^[0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]*$/s/$/ 128/' colours.ply >clear.ply
+like 'their alpha is named' "$(mesh2nff clear.ply 2>&1 >a)" 'meshes whose colours at vertices have an alpha: 1, written as opaque$'
 sed 's/^property list.*/&\nproperty uchar red/; s/^\([34] .*\)/\1 9/' text.ply >painted.ply
 like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's faces, .*: 1, left out$"
 printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj
@@ -453,7 +456,7 @@ p 3 1 0 0 0 1 0 1 1 0"
 # Red, green; blue, white.
 { printf 'P6 2 2 255\n'; packed 'C*' 255 0 0 0 255 0 0 0 255 255 255 255; } >quarters.ppm
 blend -k 8 -o quarters.png quarters.ppm
-{ printf 'newmtl quarters\nKd 1 1 0.5\nmap_Kd quarters.png\n'; printf 'newmtl grey\nmap_Kd C:\\pictures\\quarters.png\n'; } >textured.mtl
+{ printf 'newmtl quarters\nKd 1 1 0.5\nmap_Kd quarters.png\n'; printf 'newmtl grey\nmap_Kd C:\\pictures\\Quarters.PNG\n'; } >textured.mtl
 cat >textured.obj <<'END'
 mtllib textured.mtl
 v 0 0 0
@@ -487,7 +490,7 @@ f 1 1 1 1 0 0 0 1'
 is '-t: the count of colours is told' "$err" 'mesh2nff: textured.obj: colours of textures: 5, at most 2.5/255 of sRGB off'
 # A grey of 188 in 8 bits is .5029 of the light; the nearest step is 190.
 { printf 'P6 1500 3 255\n'; packed 'C*' 188 188 188 | perl -e '$_ = <>; print $_ x 4500'; } >wide.ppm
-sed 's/quarters.png/wide.ppm/' textured.mtl >wide.mtl
+sed 's/quarters.png/wide.ppm/I' textured.mtl >wide.mtl
 sed 's/textured/wide/' textured.obj >wide.obj
 is '-t: a large picture, in steps' "$(mesh2nff -t wide.obj 2>err | grep '^f ' | sort -u | tr '\n' ';')" \
 	'f 0.5149177 0.5149177 0.25745884 1 0 0 0 1;f 0.5149177 0.5149177 0.5149177 1 0 0 0 1;'
@@ -520,12 +523,12 @@ f 1 1 1 1 0 0 0 1
 f 0.57758045 0.12743768 0.031896032 1 0 0 0 1'
 fi
 like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials with textures besides the base colour's: 1, written without them"
-sed 's/quarters.png/none.png/' textured.mtl >wide.mtl
+sed 's/quarters.png/none.png/I' textured.mtl >wide.mtl
 like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
 	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"
 head -c 60 quarters.png >torn.png
-is '-t: a device that is no file' "$(sed 's/quarters.png/\/dev\/zero/' textured.mtl >wide.mtl; mesh2nff -t wide.obj 2>&1 >a | grep -c '/dev/zero: is no file')" 1
-sed 's/quarters.png/torn.png/' textured.mtl >wide.mtl
+is '-t: a device that is no file' "$(sed 's/quarters.png/\/dev\/zero/I' textured.mtl >wide.mtl; mesh2nff -t wide.obj 2>&1 >a | grep -c '/dev/zero: is no file')" 1
+sed 's/quarters.png/torn.png/I' textured.mtl >wide.mtl
 like '-t: a damaged one' "$(mesh2nff -t wide.obj 2>&1 >a)" 'torn.png: .*PNG'
 
 sed 's/ 0 0.6 0.8$/ 0 nan 0.8/' text.ply >normals.ply
@@ -549,6 +552,7 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 	printf 'newmtl other\nKd 1 0 0\n' >other.MTL
 	printf 'mtllib "other.MTL" "my lib.mtl"\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n' >quoted.obj
 	printf 'mtllib my lib.mtl other.MTL\n'"$triangle_of"'usemtl other\nf 1 2 3\n' >two.obj
+	printf 'mtllib Other.mtl\n'"$triangle_of"'usemtl other\nf 1 2 3\n' >cased.obj
 	printf "$triangle_of"'vt 0 0\nf 1/1/ 2/1/ 3/1/\n' >slashes.obj
 	printf "$triangle_of"'f 1 2 3' >unended.obj
 	printf 'g a b c\n'"$triangle_of"'s off\nf 1 2 3\n' >groups.obj
@@ -593,6 +597,7 @@ comments.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 behind.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 quoted.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 two.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+cased.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 negative.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 slashes.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 unended.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;

@@ -123,6 +123,12 @@ with bpy.data.libraries.load('$tmp/real/lib/part.blend', link=True, relative=Fal
 o = bpy.data.objects.new('linked', b.meshes[0]); o.location = 2, 0, 0; s.collection.objects.link(o)
 bpy.data.libraries[0].filepath = '//lib/part.blend'
 o.keyframe_insert('location', frame=1); o.location = -2, 1, 0; o.keyframe_insert('location', frame=9); s.frame_set(3)"
+if there mesh2nff; then
+	run mesh2nff real/s.blend
+	like 'its mesh for other renderers: refused in terms of the task' "$status:$out:$err" '^2::mesh2nff: .* expected glTF exported by Blender; balance renders the file as it is$'
+else
+	skip 'its mesh for other renderers' "$missing is not there"
+fi
 is 'the files of a scene: it, a linked library, and a texture' "$(blendworker -l real/s.blend | sort | tr '\n' ' ')" \
 	'real/lib/part.blend real/s.blend real/tex/t.png '
 alone real/s.blend alone.png

@@ -140,6 +140,22 @@ static bool is_depth(struct cf_file *c, const struct cf_axis *a)
            (text_has(standard, "depth") || text_has(a->name, "depth") || text_has(about, "depth"));
 }
 
+double cf_sense(const char *units)
+{
+    static const char *const words[] = {"degrees_west", "degree_west", "degrees_W", "degree_W",
+        "degreesW", "degreeW", "degrees_south", "degree_south", "degrees_S", "degree_S", "degreesS",
+        NULL};
+    return one_of(units, words) ? -1 : 1;
+}
+
+/* Degrees to the west and to the south become those that maps have. */
+static void face_east_and_north(struct cf_axis *a)
+{
+    if (cf_sense(a->units) > 0) return;
+    snprintf(a->units, CF_TEXT, "%s", text_has(a->units, "w") ? "degrees_east" : "degrees_north");
+    for (size_t i = 0; i < a->n; i++) a->at[i] = -a->at[i];
+}
+
 /* The levels of the model WRF, which have no coordinates, are counted from the lowest one. */
 static void count_levels(struct cf_axis *a)
 {
@@ -173,11 +189,12 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     cf_text(c, in, id, "positive", positive);
     a->in = in;
     a->id = id;
-    a->kind = kind_of(c, in, id, a);
-    a->pressure = a->kind == CF_Z && is_pressure(a->units);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
+    face_east_and_north(a);
+    a->kind = kind_of(c, in, id, a);
+    a->pressure = a->kind == CF_Z && is_pressure(a->units);
     a->down = strcasecmp(positive, "down") == 0 || a->pressure || (!positive[0] && is_depth(c, a));
     name_calendar(c, in, id, a);
     return true;

@@ -21,7 +21,8 @@ struct places {
     char name[2][CF_TEXT];
     struct cf_axis *of[2];
     double *at[2];
-    size_t skip[2]; /* each such row, and each such column, is looked at */
+    double sense[2]; /* cf_sense of their units */
+    size_t skip[2];  /* each such row, and each such column, is looked at */
 };
 
 /* ---- the variables --------------------------------------------------------------------------- */
@@ -73,11 +74,14 @@ static void take(struct cf_file *c, struct cf_field *f, const char *name, struct
 {
     int group = f->group, id;
     struct cf_axis *of[2];
+    char units[CF_TEXT];
     if (!*name || !cf_find_above(&group, name, &id) || !lies_along(f, group, id, of)) return;
     const enum cf_kind kind = direction(c, group, id, name);
     if (kind > CF_Y || p->id[kind] >= 0) return;
     if (p->of[0] && (p->of[0] != of[0] || p->of[1] != of[1])) return;
     p->in[kind] = group, p->id[kind] = id;
+    cf_text(c, group, id, "units", units);
+    p->sense[kind] = cf_sense(units);
     snprintf(p->name[kind], CF_TEXT, "%s", name);
     p->of[0] = of[0], p->of[1] = of[1];
 }
@@ -109,7 +113,8 @@ static bool read_places(struct cf_file *c, struct places *p)
         p->at[k] = xcalloc(ny * nx, sizeof *p->at[k]);
         if (!cf_did(c, nc_get_vara_double(p->in[k], p->id[k], start, count, p->at[k])))
             return false;
-        for (size_t i = 0; i < ny * nx; i++) p->at[k][i] = cf_unpack(&packing, p->at[k][i]);
+        for (size_t i = 0; i < ny * nx; i++)
+            p->at[k][i] = p->sense[k] * cf_unpack(&packing, p->at[k][i]);
     }
     return true;
 }
@@ -127,7 +132,7 @@ static bool move(struct cf_file *c, const struct places *p)
         const size_t last[3] = {times - 1, 0, 0};
         cf_packing(c, p->in[k], p->id[k], &packing);
         if (!cf_did(c, nc_get_var1_double(p->in[k], p->id[k], last, &v))) return false;
-        if (fabs(cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
+        if (fabs(p->sense[k] * cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
     }
     return false;
 }

@@ -29,6 +29,9 @@ static bool refused(char err[ERR_BYTES])
         return err_set(err, "an OBJ without faces, expected one at least");
     if (strstr(why, "STL storage representation"))
         return err_set(err, "neither STL in text nor an STL whose length is that of its facets");
+    if (strstr(why, "BlendDNA"))
+        return err_set(err, "of a Blender that libassimp does not read, expected glTF exported by "
+                            "Blender; balance renders the file as it is");
     return err_set(err, "libassimp: %.*s, expected a mesh in one of its formats", n < 150 ? n : 150,
         n ? why : "no reason is given");
 }
@@ -162,6 +165,11 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
     m->scene =
         m->odd_lines || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
+    if (m->scene && m->lost_libraries) { /* their names may be there in another case */
+        aiReleaseImport(m->scene);
+        m->lost_libraries = 0;
+        m->scene = mesh_import_mended(path);
+    }
     return m->scene || refused(err);
 }
 

@@ -14,6 +14,7 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
     [LOSS_HOLES] = {"materials whose alpha cuts holes", "written without holes", 0},
     [LOSS_COLOURS] = {"meshes with colours at their vertices", "each face has their mean", 0},
+    [LOSS_ALPHA] = {"meshes whose colours at vertices have an alpha", "written as opaque", 0},
     [LOSS_UNREAD_COLOURS] = {"colours of a PLY's faces, or of other names than red, green and blue",
         "left out", 0},
     [LOSS_BONES] = {"meshes with bones", "written as they rest", 0},
@@ -44,6 +45,14 @@ static const struct mesh_loss names[LOSSES + 1] = {
 bool mesh_is_gltf(const struct mesh *m) { return mesh_is_read_by(m, "glTF2"); }
 bool mesh_is_gltf1(const struct mesh *m) { return mesh_is_read_by(m, "glTF "); }
 
+static bool has_alpha(const struct aiMesh *mesh)
+{
+    const struct aiColor4D *of = mesh->mColors[0];
+    for (unsigned i = 0; of && i < mesh->mNumVertices; i++)
+        if (of[i].a < 1) return true;
+    return false;
+}
+
 void mesh_losses_find(struct mesh *m)
 {
     memcpy(m->loss, names, sizeof names);
@@ -53,6 +62,7 @@ void mesh_losses_find(struct mesh *m)
     for (unsigned i = 0; i < m->scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = m->scene->mMeshes[i];
         m->loss[LOSS_COLOURS].n += mesh->mColors[0] != NULL;
+        m->loss[LOSS_ALPHA].n += has_alpha(mesh);
         m->loss[LOSS_BONES].n += mesh->mNumBones > 0;
         m->loss[LOSS_MORPHS].n += mesh->mNumAnimMeshes > 0;
     }

@@ -188,7 +188,11 @@ static enum aiReturn seek(struct aiFile *file, size_t at, enum aiOrigin from)
 static struct aiFile *open_source(struct aiFileIO *io, const char *path, const char *mode)
 {
     (void)io;
-    FILE *f = strchr(mode, 'w') ? NULL : fopen(path, "rb");
+    if (strchr(mode, 'w')) return NULL;
+    FILE *f = fopen(path, "rb");
+    char *other = f ? NULL : mesh_any_case(path);
+    if (other) f = fopen(other, "rb");
+    free(other);
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
     const bool odd = mesh_odd_lines(f);

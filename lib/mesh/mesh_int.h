@@ -23,6 +23,7 @@ enum mesh_loss_kind {
     LOSS_METAL,
     LOSS_HOLES,
     LOSS_COLOURS,
+    LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
     LOSS_BONES,
     LOSS_MORPHS,
@@ -177,8 +178,11 @@ bool mesh_file_marked(const char *path);
 bool mesh_odd_lines(FILE *f);
 /* A copy with such lines mended, of *n bytes; the caller frees it. */
 char *mesh_lines_mended(const unsigned char *data, size_t *n);
-/* aiImportFile of a file with such a mark, which is passed over, or such lines. */
+/* aiImportFile of a file with such a mark, which is passed over, or such lines; the files that it
+ * names may be there in another case. */
 const struct aiScene *mesh_import_mended(const char *path);
+/* A file in this directory whose name differs in case at most; NULL: none. The caller frees it. */
+char *mesh_any_case(const char *path);
 
 /* What the colour of a face's material is multiplied by. */
 struct mesh_colour {

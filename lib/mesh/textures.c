@@ -29,16 +29,27 @@ static char *beside(const char *mesh, const char *name)
     return path;
 }
 
+/* In any case of letters. */
+static bool read_file_there(const char *path, struct image *im, char err[IMAGE_ERR])
+{
+    char other[IMAGE_ERR];
+    if (mesh_picture_read(path, im, err)) return true;
+    char *there = mesh_any_case(path);
+    const bool ok = there && strcmp(there, path) != 0 && mesh_picture_read(there, im, other);
+    free(there);
+    return ok;
+}
+
 /* As the mesh names the file, or else its last component beside the mesh: absolute paths are those
  * of another machine. */
 static bool read_named(const char *mesh, const char *name, struct image *im, char err[IMAGE_ERR])
 {
     char *path = beside(mesh, name), other[IMAGE_ERR];
-    bool ok = mesh_picture_read(path, im, err);
+    bool ok = read_file_there(path, im, err);
     const char *slash = strrchr(path, '/');
     if (!ok && slash) {
         char *last = beside(mesh, slash + 1);
-        ok = strcmp(last, path) != 0 && mesh_picture_read(last, im, other);
+        ok = strcmp(last, path) != 0 && read_file_there(last, im, other);
         free(last);
     }
     free(path);

@@ -178,21 +178,21 @@ static void parts_free(struct parts *p)
     free(p->at);
 }
 
-int nff_read_parts(const char *name, const char *text, size_t n, uint32_t n_parts, struct scene *s,
-    char err[SCENE_ERR])
+int nff_read_parts(const char *name, const char *text, size_t n, uint32_t n_parts, int threads,
+    struct scene *s, char err[SCENE_ERR])
 {
     struct parts p = {.name = name, .at = xcalloc(n_parts, sizeof *p.at), .n = n_parts};
-    struct parallel *threads = parallel_new((int)n_parts);
+    struct parallel *pool = parallel_new(threads);
     cut(&p, text, n);
-    parallel_run(threads, p.n, read_part, &p);
+    parallel_run(pool, p.n, read_part, &p);
     bool ok = fit(&p);
     if (ok) {
         join_lights(&p);
         join_materials(&p);
         join_room(&p);
-        parallel_run(threads, p.n, join_part, &p);
+        parallel_run(pool, p.n, join_part, &p);
     }
-    parallel_free(threads);
+    parallel_free(pool);
     parts_free(&p);
     if (!ok) return nff_read(name, text, n, s, err);
     *s = p.whole;
@@ -206,5 +206,5 @@ int nff_read_parallel(
     size_t parts = n / PART_BYTES;
     if (parts > (size_t)threads) parts = (size_t)threads;
     if (parts < 2) return nff_read(name, text, n, s, err);
-    return nff_read_parts(name, text, n, (uint32_t)parts, s, err);
+    return nff_read_parts(name, text, n, (uint32_t)parts, (int)parts, s, err);
 }

@@ -42,9 +42,9 @@ bool reader_entities(struct reader *r);
 
 /* Gives lights without a colour their intensity. */
 void nff_share_light(struct scene *s);
-/* As nff_read, with a thread for each of n_parts parts of the text. */
-int nff_read_parts(const char *name, const char *text, size_t n, uint32_t n_parts, struct scene *s,
-    char err[SCENE_ERR]);
+/* As nff_read, by this number of threads, which take n_parts parts of the text in turn. */
+int nff_read_parts(const char *name, const char *text, size_t n, uint32_t n_parts, int threads,
+    struct scene *s, char err[SCENE_ERR]);
 
 /* Newell's normal of a polygon, of unit length; +z if it is zero. */
 struct vec3 scene_newell_unit(const struct vec3 *v, uint32_t n);

@@ -26,23 +26,23 @@ bool voxel_fail(struct voxel *v, const char *fmt, ...)
 
 bool voxel_set_nodes(struct voxel *v, int axis, int64_t n)
 {
-    if (n < 2 || n > VOXEL_NODES_MAX)
+    if (n < 1 || n > VOXEL_NODES_MAX)
         return voxel_fail(
-            v, "%lld nodes on axis %d, expected 2 to %u", (long long)n, axis + 1, VOXEL_NODES_MAX);
+            v, "%lld nodes on axis %d, expected 1 to %u", (long long)n, axis + 1, VOXEL_NODES_MAX);
     v->n[axis] = (uint32_t)n;
     return true;
 }
 
-uint32_t voxel_side(const struct voxel *v, const struct voxel_array *a, int axis)
+uint32_t voxel_side(const struct voxel *v, bool cells, int axis)
 {
-    return v->n[axis] - a->cells;
+    return v->n[axis] - (cells && v->n[axis] > 1); /* VTK's flat grids have a layer of cells */
 }
 
 uint64_t voxel_numbers(const struct voxel *v, const struct voxel_array *a)
 {
     uint64_t n = a->components;
     for (int axis = 0; axis < 3; axis++) {
-        const uint64_t side = voxel_side(v, a, axis);
+        const uint64_t side = voxel_side(v, a->cells, axis);
         if (n > NUMBERS_MAX / (side ? side : 1)) return 0;
         n *= side;
     }
@@ -74,7 +74,7 @@ struct voxel_array *voxel_add(
     uint64_t stride = components;
     for (int axis = 0; axis < 3; axis++) {
         a->stride[axis] = stride;
-        stride *= voxel_side(v, a, axis);
+        stride *= voxel_side(v, a->cells, axis);
     }
     return a;
 }
@@ -84,7 +84,7 @@ void voxel_slowest(const struct voxel *v, struct voxel_array *a)
     uint64_t stride = 1;
     for (int axis = 0; axis < 3; axis++) {
         a->stride[axis] = stride;
-        stride *= voxel_side(v, a, axis);
+        stride *= voxel_side(v, a->cells, axis);
     }
     a->component_stride = stride;
 }

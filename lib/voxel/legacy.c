@@ -298,11 +298,11 @@ static bool read_textures(struct reader *r)
 static bool read_attributes(struct reader *r, bool cells)
 {
     const struct voxel *v = r->v;
-    const uint64_t c = cells, n = (v->n[0] - c) * (v->n[1] - c);
     if (!r->given[0]) return fail(r, "DIMENSIONS before it");
+    const uint64_t n = (uint64_t)voxel_side(v, cells, 0) * voxel_side(v, cells, 1);
     r->cells = cells;
     if (!count(r, "a number of values", INT64_MAX, &r->tuples)) return false;
-    return (r->tuples && r->tuples / n == v->n[2] - c && r->tuples % n == 0) ||
+    return (r->tuples && r->tuples / n == voxel_side(v, cells, 2) && r->tuples % n == 0) ||
            fail(r, cells ? "the number of cells" : "the number of nodes");
 }
 

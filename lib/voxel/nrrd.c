@@ -229,7 +229,7 @@ static bool place_plain(struct voxel *v, struct header *h)
         }
         const bool nodes = k == 4 && strncasecmp(centers + at, "node", 4) == 0;
         double step = spacing[from];
-        if (isnan(step)) step = (max[from] - min[from]) / (v->n[i] - nodes);
+        if (isnan(step) && v->n[i] > nodes) step = (max[from] - min[from]) / (v->n[i] - nodes);
         v->step[i][i] = isnan(step) ? 1 : step;
         if (!isnan(min[from])) v->origin[i] = min[from] + (nodes ? 0 : v->step[i][i] / 2);
     }

@@ -60,18 +60,21 @@ static bool place_axes(struct voxel *v, const struct voxel_array *a, const struc
 {
     char why[GRID_FAULT];
     for (int axis = 0; axis < 3; axis++) {
-        const uint32_t n = g->n[axis] = voxel_side(v, a, p->from[axis]);
-        if (n < 2) return voxel_fail(v, "%u cells along %c, expected 2 at least", n, "xyz"[axis]);
+        const uint32_t n = g->n[axis] = voxel_side(v, a->cells, p->from[axis]);
+        const bool cells = a->cells && n < v->n[p->from[axis]];
+        if (n < 2 && (cells || axis < 2))
+            return voxel_fail(v, "%u %s along %c, expected 2 at least%s", n,
+                cells ? "cells" : "nodes", "xyz"[axis], cells ? "" : "; only z may have 1");
         double *at = g->at[axis] = xmalloc(n, sizeof *at);
-        coordinates(v, p, axis, n, a->cells, at);
+        coordinates(v, p, axis, n, cells, at);
         for (uint32_t i = 0; i < n; i++)
             if (!(fabs(at[i]) <= GRID_MAX))
                 return voxel_fail(v, "%c of node %u is %g, expected at most %g", "xyz"[axis], i + 1,
                     at[i], GRID_MAX);
-        const uint32_t fault = grid_axis_fault(at, n);
+        const uint32_t fault = n > 1 ? grid_axis_fault(at, n) : 0;
         if (fault) grid_axis_why(at, fault, why);
         if (fault) return voxel_fail(v, "%c of node %u is %s", "xyz"[axis], fault + 1, why);
-        down[axis] = at[1] < at[0];
+        down[axis] = n > 1 && at[1] < at[0];
         for (uint32_t i = 0, j = n - 1; down[axis] && i < j; i++, j--) {
             const double swap = at[i];
             at[i] = at[j];

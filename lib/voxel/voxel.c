@@ -105,7 +105,7 @@ struct voxel_about voxel_array(const struct voxel *v, size_t i)
     const struct voxel_array *a = &v->array[i];
     struct voxel_about about = {a->name, "", {0}, a->components, a->cells};
     snprintf(about.type, sizeof about.type, "%s%d", forms[a->type.form], 8 * a->type.size);
-    for (int axis = 0; axis < 3; axis++) about.n[axis] = voxel_side(v, a, axis);
+    for (int axis = 0; axis < 3; axis++) about.n[axis] = voxel_side(v, a->cells, axis);
     return about;
 }
 

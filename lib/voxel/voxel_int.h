@@ -77,7 +77,7 @@ void voxel_slowest(const struct voxel *v, struct voxel_array *a);
 /* Sets v->n[axis]. */
 bool voxel_set_nodes(struct voxel *v, int axis, int64_t n);
 /* Nodes, or cells, along an axis. */
-uint32_t voxel_side(const struct voxel *v, const struct voxel_array *a, int axis);
+uint32_t voxel_side(const struct voxel *v, bool cells, int axis);
 /* All numbers of an array; 0: more than 2^40. */
 uint64_t voxel_numbers(const struct voxel *v, const struct voxel_array *a);
 /* Even axes along x, y and z, from 0 in steps of 1. */

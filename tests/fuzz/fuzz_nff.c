@@ -87,7 +87,7 @@ static void check_parts(const char *text, size_t n, int rc, const char *err, con
 {
     struct scene p;
     char err_p[SCENE_ERR];
-    MUST(nff_read_parts("fuzz", text, n, 2, &p, err_p) == rc && strcmp(err_p, err) == 0);
+    MUST(nff_read_parts("fuzz", text, n, 2, 1, &p, err_p) == rc && strcmp(err_p, err) == 0);
     MUST(p.n_lights == s->n_lights && p.n_materials == s->n_materials);
     MUST(p.n_prims == s->n_prims && p.n_vertices == s->n_vertices);
     MUST(!p.n_materials ||

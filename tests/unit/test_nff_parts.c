@@ -41,7 +41,7 @@ static bool same_by_steps(const char *text, size_t n, uint32_t first, uint32_t s
     char err[SCENE_ERR], err_got[SCENE_ERR];
     int status = nff_read("t", text, n, &want, err);
     for (uint32_t parts = first; parts <= PARTS_MOST; parts += step) {
-        assert_int_equal(nff_read_parts("t", text, n, parts, &got, err_got), status);
+        assert_int_equal(nff_read_parts("t", text, n, parts, 1, &got, err_got), status);
         assert_string_equal(err_got, err);
         same_scene(&want, &got);
         scene_free(&got);
