@@ -49,20 +49,20 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-# feed: passes tasks on: half of them at once, then some in a second, so that a host that is up late gets some, and the last one
-# when the file go is there. So the run lasts until then.
+at_work='(done|frag) 0 [0-9]+ .* w=1'
+# feed: passes tasks on, six in a second until host2 is at work, so that it gets some however late it is up, then all but the
+# last one, which it passes on when the file go is there. So the run lasts until then.
 cat >feed <<END
 #!/bin/sh
 tasks=\$(cat) sent=0
 n=\$(echo "\$tasks" | wc -l)
-echo "\$tasks" | while read -r task; do
-	sent=\$((sent + 1)) polls=0
-	until [ \$((2 * sent)) -le \$n ] || [ -e '$tmp/go' ]; do
-		sleep .05
-		[ \$((polls += 1)) -lt 4 ] || [ \$sent -eq \$n ] || break
-	done
-	echo "\$task"
+while [ \$sent -lt \$((n - 1)) ]; do
+	echo "\$tasks" | sed '\$d' | sed -n "\$((sent + 1)),\$((sent + 6))p"
+	sent=\$((sent + 6)) polls=0
+	until grep -aqE '$at_work' '$tmp/job.log' 2>/dev/null || [ -e '$tmp/go' ] || [ \$((polls += 1)) -gt 20 ]; do sleep .05; done
 done
+until [ -e '$tmp/go' ]; do sleep .05; done
+echo "\$tasks" | tail -n 1
 END
 # lasting METHOD: begins a run that is fed so. balance also calls partition before the run, to count the tasks that are left.
 # That call must not wait.
@@ -75,7 +75,7 @@ case \$* in *@- | *1x1@*) exec '$root/bin/partition' "\$@" ;; esac
 END
 chmod +x feed late/partition
 lasting() { PATH=$tmp/late:$PATH begin "$@"; }
-at_work() { grep -aqE '(done|frag) 0 [0-9]+ .* w=1' job.log 2>/dev/null; } # host2 is
+at_work() { grep -aqE "$at_work" job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
 # noticed NAME ERE: a message after the fault matches
 noticed() {
@@ -315,9 +315,10 @@ fi
 for method in masterslave interleaved; do
 	for victim in gather fan; do # gather is what balance has become
 		name="$method, kill -9 of $victim"
-		begin $method
+		lasting $method
 		reach_work
 		kill -9 $(here $victim)
+		: >go
 		ok "$name: no process remains on any host" await 2 none_left
 		end
 	done
