@@ -185,14 +185,21 @@ static enum aiReturn seek(struct aiFile *file, size_t at, enum aiOrigin from)
     return ok ? aiReturn_SUCCESS : aiReturn_FAILURE;
 }
 
+/* In any case of letters. */
+static FILE *open_named(const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (f) return f;
+    char *there = mesh_any_case(path);
+    f = there ? fopen(there, "rb") : NULL;
+    free(there);
+    return f;
+}
+
 static struct aiFile *open_source(struct aiFileIO *io, const char *path, const char *mode)
 {
     (void)io;
-    if (strchr(mode, 'w')) return NULL;
-    FILE *f = fopen(path, "rb");
-    char *other = f ? NULL : mesh_any_case(path);
-    if (other) f = fopen(other, "rb");
-    free(other);
+    FILE *f = strchr(mode, 'w') ? NULL : open_named(path);
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
     const bool odd = mesh_odd_lines(f);
