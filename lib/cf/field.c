@@ -63,7 +63,6 @@ static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
     const size_t least = a->kind == CF_Z ? 1 : 2;
     if (a->n < least)
         return err_set(err, "%.60s has %zu nodes, expected %zu at least", a->name, a->n, least);
-    if (a->n < 2) return true;
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
     char why[GRID_FAULT];

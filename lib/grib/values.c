@@ -84,7 +84,7 @@ static bool check_axes(const struct grid *g, char err[ERR_BYTES])
 {
     for (int a = 0; a < 3; a++) {
         const double *at = g->at[a];
-        uint32_t end = g->n[a] - 1, i = end ? grid_axis_fault(at, g->n[a]) : 0;
+        uint32_t end = g->n[a] - 1, i = grid_axis_fault(at, g->n[a]);
         if (i)
             return err_set(
                 err, "%g follows %g along %c, expected all to ascend", at[i], at[i - 1], "xyz"[a]);

@@ -15,7 +15,7 @@ void grid_free(struct grid *g)
 
 uint32_t grid_axis_fault(const double *at, uint32_t n)
 {
-    bool down = at[1] < at[0];
+    bool down = n > 1 && at[1] < at[0];
     for (uint32_t i = 1; i < n; i++) {
         double step = down ? at[i - 1] - at[i] : at[i] - at[i - 1];
         if (!(step >= GRID_STEP_MIN)) return i;

@@ -86,7 +86,7 @@ void grid_free(struct grid *g);
 void grid_df3(const struct grid *g, double least, double most, bool mask, struct buf *out);
 /*
  * Checks that coordinates ascend or descend in steps of at least GRID_STEP_MIN. Returns the index
- * of the first one that breaks the direction of the first two, or 0 if none does. n is at least 2.
+ * of the first one that breaks the direction of the first two, or 0 if none does. n is at least 1.
  */
 uint32_t grid_axis_fault(const double *at, uint32_t n);
 /* Writes "A after B, expected ...", the fault of at[fault]. */

@@ -99,7 +99,7 @@ static bool read_axis(struct vtk_reader *r, int axis, struct grid *g)
         if (isnan(at[i]))
             return vtk_fail(r, "%s: number %u is nan, expected a number", keyword, i + 1);
     }
-    uint32_t fault = n > 1 ? grid_axis_fault(at, (uint32_t)n) : 0;
+    uint32_t fault = grid_axis_fault(at, (uint32_t)n);
     if (fault) {
         char why[GRID_FAULT];
         grid_axis_why(at, fault, why);

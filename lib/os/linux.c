@@ -117,6 +117,12 @@ void os_populate(void *p, size_t bytes)
     if (bytes) madvise((char *)p - before, before + bytes, MADV_POPULATE_WRITE);
 }
 
+void os_large_pages(void *p, size_t bytes)
+{
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), before = -(uintptr_t)p % page;
+    if (bytes > before) madvise((char *)p + before, bytes - before, MADV_HUGEPAGE);
+}
+
 void os_discard(void *p, size_t bytes)
 {
     size_t page = (size_t)sysconf(_SC_PAGESIZE), before = -(uintptr_t)p % page;

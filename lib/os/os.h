@@ -60,6 +60,9 @@ bool os_terminal(int fd, int *columns, int *rows);
 /* Asks the system for all pages of these bytes at once, which costs less than a fault for each. For
  * memory that will be written soon. posix.c: the faults come. */
 void os_populate(void *p, size_t bytes);
+/* Asks for large pages: fewer misses of the TLB, and less to copy in a fork. posix.c: they stay
+ * small. */
+void os_large_pages(void *p, size_t bytes);
 /* Returns the whole pages within these bytes to the system. Their contents are lost. posix.c: the
  * pages stay. */
 void os_discard(void *p, size_t bytes);

@@ -99,6 +99,7 @@ bool os_terminal(int fd, int *columns, int *rows)
 /* ---- memory ---- */
 
 void os_populate(void *p, size_t bytes) { (void)p, (void)bytes; }
+void os_large_pages(void *p, size_t bytes) { (void)p, (void)bytes; }
 void os_discard(void *p, size_t bytes) { (void)p, (void)bytes; }
 void os_allocate_afresh(size_t bytes) { (void)bytes; }
 

@@ -244,6 +244,7 @@ static void number(struct making *m)
         }
     }
     b->nodes = xaligned(b->n_nodes, sizeof *b->nodes);
+    os_large_pages(b->nodes, b->n_nodes * sizeof *b->nodes);
     if (m->top.n_nodes) memcpy(b->nodes, m->top.nodes, m->top.n_nodes * sizeof *b->nodes);
     for (int k = 0; k < ITEM_KINDS; k++)
         if (b->n_blocks[k] > LEAF_FIRST_MASK) die(ST_SYSTEM, "too many primitives");
@@ -264,8 +265,12 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     number(&m);
     parallel_run(p, m.n_tasks, move_task, &m);
     free(m.nodes);
-    for (int k = 0; k < ITEM_KINDS; k++)
-        if (b->n_blocks[k]) b->blocks[k] = xaligned(b->n_blocks[k], trace_shapes[k]->block_size);
+    for (int k = 0; k < ITEM_KINDS; k++) {
+        const size_t size = trace_shapes[k]->block_size;
+        if (!b->n_blocks[k]) continue;
+        b->blocks[k] = xaligned(b->n_blocks[k], size);
+        os_large_pages(b->blocks[k], b->n_blocks[k] * size);
+    }
     make_leaves(&m, &m.top);
     parallel_run(p, m.n_tasks, fill_task, &m);
     free(m.top.nodes);

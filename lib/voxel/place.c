@@ -71,7 +71,7 @@ static bool place_axes(struct voxel *v, const struct voxel_array *a, const struc
             if (!(fabs(at[i]) <= GRID_MAX))
                 return voxel_fail(v, "%c of node %u is %g, expected at most %g", "xyz"[axis], i + 1,
                     at[i], GRID_MAX);
-        const uint32_t fault = n > 1 ? grid_axis_fault(at, n) : 0;
+        const uint32_t fault = grid_axis_fault(at, n);
         if (fault) grid_axis_why(at, fault, why);
         if (fault) return voxel_fail(v, "%c of node %u is %s", "xyz"[axis], fault + 1, why);
         down[axis] = n > 1 && at[1] < at[0];
