@@ -171,7 +171,7 @@ ok 'the controls were found' [ "$(grep -c . page)" -gt 20 ]
 there Xvfb xdotool ffmpeg || { skip 'a window' "$missing is not there"; finish; }
 Xvfb -noreset -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>display 2>/dev/null &
 xvfb=$!
-trap 'kill $xvfb; rm -rf "$tmp"' EXIT
+trap 'kill $xvfb 2>/dev/null; rm -rf "$tmp"' EXIT
 await 10 [ -s display ]
 DISPLAY=:$(cat display) && export DISPLAY
 # opened WORD ...: starts stormview and waits for its window, whose number is in $window
@@ -298,4 +298,13 @@ await 20 [ -s status ]
 is 'a command that is killed: exit 3' "$(cat status)" 3
 like 'a command that is killed: the reason' "$(cat err)" 'deal ended \(signal-15\) before the user did'
 is 'a command that is killed: no process is left' "$(alive)" ''
+opened -s 320x240 a.vtk look.spec
+kill "$(program stormview)"
+await 20 [ -s status ]
+is 'a signal ends it: the specification is printed' "$(cat status):$(head -n 1 said.spec)" '143:from -8 -30 25'
+opened -s 320x240 a.vtk look.spec
+kill -9 $xvfb
+await 20 [ -s status ]
+is 'the display is lost: exit 3, and the specification is printed' "$(cat status):$(head -n 1 said.spec)" '3:from -8 -30 25'
+is 'the display is lost: no process is left' "$(alive)" ''
 finish

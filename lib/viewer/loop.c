@@ -2,9 +2,11 @@
 #include "viewer/viewer_int.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define ROUND_MS 4    /* between two looks for events, which come by no descriptor, */
 #define RESTING_MS 15 /* and when nothing has happened for */
@@ -156,17 +158,36 @@ static bool open_window(struct viewer *v)
     return false;
 }
 
-static void finish(struct viewer *v)
+static const struct subject *shown; /* not printed yet */
+
+static void print_shown(void)
 {
     struct buf b = {0};
-    subject_text(&v->subject, &b);
+    subject_text(shown, &b);
+    shown = NULL;
     put_stdout_buf(&b);
+    buf_free(&b);
+}
+
+/* Xlib ends a program whose display is lost by exit(1). */
+static void print_lost(void)
+{
+    if (!shown) return;
+    print_shown();
+    fflush(stdout);
+    _exit(ST_SYSTEM);
+}
+
+static void finish(struct viewer *v)
+{
+    print_shown();
     if (v->o->times) {
+        struct buf b = {0};
         times_write(&v->times, &v->look.counts, &b);
         if (outfile_put(v->o->times, buf_data(&b), buf_size(&b)) != 0)
             die(ST_SYSTEM, "%s:", v->o->times);
+        buf_free(&b);
     }
-    buf_free(&b);
     if (v->status == ST_OK && v->look.failed) v->status = ST_PARTIAL;
 }
 
@@ -182,9 +203,11 @@ int viewer_run(const struct viewer_options *o)
     signals_catch();
     look_init(&v.look);
     if (open_window(&v) && command_start(&v)) {
+        shown = &v.subject;
+        atexit(print_lost);
         loop(&v);
         command_end(&v);
-        if (!signals_came()) finish(&v);
+        finish(&v);
     }
     window_close(v.window);
     show_free(&v);
@@ -193,6 +216,7 @@ int viewer_run(const struct viewer_options *o)
     events_free(&v.events);
     subject_free(&v.subject);
     free(v.png);
+    fflush(stdout);
     if (signals_came()) signals_die();
     return v.status;
 }
