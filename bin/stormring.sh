@@ -41,6 +41,19 @@ given() {
 	say "${0##*/}: $refused"
 	exit 2
 }
+# worker_option LETTER: takes an option of povworker or blendworker, with its OPTARG, into what, worker and size
+# shellcheck disable=SC2034  # they are read there
+worker_option() {
+	case $1 in [fjs]) given "$1" "$OPTARG" ;; esac
+	case $1 in
+	h) answer "$usage" ;;
+	[cw]) worker="$worker -$1" ;;
+	[fj]) worker="$worker -$1 $OPTARG" ;;
+	[il]) [ $what = run ] || fail "-$1: expected one of -i and -l, once"; what=$1 ;;
+	s) size=$OPTARG ;;
+	*) misused "$1" "$OPTARG" ;;
+	esac
+}
 # unfit SAID MESSAGE [STATUS]: prints what a worker said without its usage, or MESSAGE if it said no more; exits with 2, or
 # with 3 if that is its status
 unfit() {

@@ -131,6 +131,8 @@ zlib <short.raw >short.zraw
 meta MET_SHORT False True short.zraw 'Modality = MET_MOD_CT' 'TransformMatrix = 1 0 0 0 -1 0 0 0 1' >a.mhd
 is 'MetaImage: packed, detached, y reversed, CT' "$(got a.mhd):$(axes):$(title)" \
 	'7 11 13 3 2 5 29 31 37 17 19 23:10 12 14:19 20:30 30.5:values [HU]; x x []; y y []; z z []'
+meta MET_SHORT_ARRAY False False short.raw 'DimSize = 2 2 1' 'ElementNumberOfChannels = 3' >a.mhd
+is 'MetaImage: an array of channels' "$(got -k 1 a.mhd)" '2 11 19 31'
 cp short.raw 'short of.raw'
 meta MET_SHORT False False 'short of.raw' >a.mhd
 is 'MetaImage: a name with a blank' "$(got a.mhd)" "$numbers"
@@ -276,8 +278,8 @@ while IFS='|' read -r from to message; do
 	sed "s|$from|$to|" a.vtr >bad.vtr
 	says bad.vtr "$message"
 done <<'END_'
-RectilinearGrid"|UnstructuredGrid"|UnstructuredGrid., expected ImageData or RectilinearGrid
-WholeExtent="0 2 0|WholeExtent="0 3 0|expected one Piece
+RectilinearGrid"|UnstructuredGrid"|UnstructuredGrid., expected ImageData [(].vti[)] or RectilinearGrid [(].vtr[)]
+WholeExtent="0 2 0|WholeExtent="0 3 0|a Piece of a part of the grid, expected one Piece of the whole
 <Piece|<Part|mismatched tag
 NumberOfComponents="2"|NumberOfComponents="-2"|NumberOfComponents
 <VTKFile|<!DOCTYPE a [<!ENTITY b "c">]><VTKFile|DOCTYPE., expected no declarations

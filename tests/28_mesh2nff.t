@@ -443,7 +443,7 @@ sed '/^property uchar blue/a property uchar alpha
 /^[0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]* [0-9.-]*$/s/$/ 128/' colours.ply >clear.ply
 like 'their alpha is named' "$(mesh2nff clear.ply 2>&1 >a)" 'meshes whose colours at vertices have an alpha: 1, written as opaque$'
 sed 's/^property list.*/&\nproperty uchar red/; s/^\([34] .*\)/\1 9/' text.ply >painted.ply
-like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's faces, .*: 1, left out$"
+like 'colours of faces are named' "$(mesh2nff painted.ply 2>&1 >a)" "^mesh2nff: painted.ply: colours of a PLY's or OFF's faces, .*: 1, left out$"
 printf '%s\n' 'v 0 0 0 1 0 0' 'v 1 0 0 1 0 0' 'v 0 1 0 0 0 1' 'v 1 1 0 0 1 0' 'f 1 2 3' 'f 2 4 3' 'f 2 3 4' 'f 1 2 1' >coloured.obj
 run mesh2nff coloured.obj
 is 'each face has the mean of its corners, in steps of 1/31, and a line f where it changes' "$(faces)" \
@@ -557,6 +557,13 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 	printf "$triangle_of"'f 1 2 3' >unended.obj
 	printf 'g a b c\n'"$triangle_of"'s off\nf 1 2 3\n' >groups.obj
 	printf 'v 0 0 0\nv 1.e0 0 0\nv 0 +1 0\nf 1 2 3\n' >signs.obj
+	mkdir -p Parts
+	printf '  newmtl first\nKd 1 0 0\n' >Parts/first.mtl
+	printf 'mtllib .\\parts\\First.mtl\n'"$triangle_of"'usemtl first\nf 1 2 3\n' >folder.obj
+	printf 'mtllib Parts/first.mtl\n'"$triangle_of"'usemtl second\nf 1 2 3\n' >named.obj
+	printf "$triangle_of"'f 1 2 3\nv 5 0 0 1 0 0\nv 6 0 0 1 0 0\nv 5 1 0 1 0 0 # red\nf 4 5 6\n' >partly.obj
+	printf 'COFF # a comment\n# more\n3 1 0\n\n0 0 0 255 0 0 255 # red\n1 0 0 255 0 0 255\n0 1 0 255 0 0 255\n# faces\n3 0 1 2\n' >comments.off
+	printf 'OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n' >painted.off
 	printf "$triangle_of"'f 1 2 4\n' >beyond.obj
 	printf "$triangle_of"'f 0 1 2\n' >zeroth.obj
 	printf "$triangle_of"'v 1 1 0\nv 2 0.5 0\nf 1 2 5 4 3\n' >ngon.obj
@@ -568,6 +575,10 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 { printf '%s\n' ply 'format binary_big_endian 1.0' 'obj_info made by hand' 'element vertex 3' 'property float x' 'property float y' \
 	'property float z' 'element face 1' 'property list uchar int vertex_index' end_header
 packed 'f>9' 0 0 0 1 0 0 0 1 0; packed 'Cl>3' 3 0 1 2; } >big.ply
+{ sed 's/binary_big_endian/ascii/; s/^property float z/&\nproperty int red\nproperty int green\nproperty int blue/; /^end_header/q' big.ply
+printf '%s 255 0 0\n' '0 0 0' '1 0 0' '0 1 0'; echo '3 0 1 2'; } >wide.ply
+# The first number begins with a byte 10.
+{ sed 's/big/little/; /^end_header/q' big.ply; packed 'C4' 10 0 0 63; packed 'f<8' 0 0 1 0 0 0 1 0; packed 'Cl<3' 3 0 1 2; } >ten.ply
 { packed 'A80 L<' 'solid made by a program' 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 0; } >solid.stl
 values=$({ packed 'f<9 S<3 x2' 0 0 0 1 0 0 0 9 0 0 1 2; packed 'S< x2 f<3' 2 0 1 0; } | base64 -w 0)
 cat >sparse.gltf <<END
@@ -584,11 +595,27 @@ END
 sed 's/"asset"/"extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"], &/
 	s/"indices": 1,/&"extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}},/' sparse.gltf >draco.gltf
 sed 's/"asset"/"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"], &/' sparse.gltf >quantized.gltf
+sed 's/"asset"/"extensionsUsed": ["EXT_one"], "extensionsRequired": ["KHR_materials_unlit", "EXT_one"], &/' sparse.gltf >required.gltf
+sed 's/"asset"/"extensionsUsed": ["KHR_materials_unlit", "EXT_mesh_gpu_instancing"], &/' sparse.gltf >instanced.gltf
+printf '%s' "$values" | base64 -d >'my numbers.bin'
+sed 's/"uri": "[^"]*"/"uri": "my%20numbers.bin"/' sparse.gltf >uri.gltf
+sed 's/"POSITION": 0}/"POSITION": 0, "COLOR_0": 0}/' sparse.gltf >three.gltf
 while IFS='|' read -r name wanted; do
 	run mesh2nff "$name"
 	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
 done <<'END'
-quantized.gltf|2:mesh2nff: quantized.gltf: requires KHR_mesh_quantization, which libassimp does not read, expected a glTF without
+quantized.gltf|2:mesh2nff: quantized.gltf: requires 'KHR_mesh_quantization', which libassimp does not read, expected a glTF without
+required.gltf|2:mesh2nff: required.gltf: requires 'EXT_one', which libassimp does not read, expected a glTF without
+instanced.gltf|0:mesh2nff: instanced.gltf: extensions of glTF that hide nodes or repeat meshes: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+uri.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+three.gltf|0:mesh2nff: three.gltf: meshes with colours at their vertices: 1, each face has their meanf 0.32258064 0.32258064 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+folder.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+named.obj|0:mesh2nff: named.obj: names of materials that are in no file: 1, their faces are greyf 0.6 0.6 0.6 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+partly.obj|0:mesh2nff: partly.obj: meshes with colours at their vertices: 1, each face has their meanf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;f 1 0 0 1 0 0 0 1;p 3 5 0 0 6 0 0 5 1 0;
+comments.off|0:mesh2nff: comments.off: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+painted.off|0:mesh2nff: painted.off: colours of a PLY's or OFF's faces, or in a PLY of other names than red, green and blue or other types than uchar, ushort and float: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+wide.ply|0:mesh2nff: wide.ply: colours of a PLY's or OFF's faces, or in a PLY of other names than red, green and blue or other types than uchar, ushort and float: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+ten.ply|0:f 1 1 1 1 0 0 0 1;p 3 0.5000006 0 0 1 0 0 0 1 0;
 crlf.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 marked.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 continued.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -616,6 +643,8 @@ zeroth.obj|2:mesh2nff: zeroth.obj: libassimp: OBJ: Invalid face index, expected 
 END
 run mesh2nff draco.gltf
 like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
+run sh -c 'mesh2nff - <ten.ply'
+is 'a byte 10 on standard input' "$status:$(faces | tail -n 1)" '0:p 3 0.5000006 0 0 1 0 0 0 1 0'
 run sh -c 'mesh2nff - <marked.obj'
 is 'a mark on standard input' "$status:$err$(faces | tail -n 1)" '0:p 3 0 0 0 1 0 0 0 1 0'
 
@@ -649,6 +678,8 @@ printf '%s\n' OFF '3 9 0' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' >cut.off
 refused cut.off 'cut[.]off: ends too early, expected a whole file$'
 printf '%s\n' 'solid a' 'facet normal 0 0 1' 'outer loop' 'vertex 0 0 0' 'vertex 1 0 0' 'vertex 0 1 0' endloop endfacet >cut.stl
 refused cut.stl 'cut[.]stl: ends too early, expected a whole file$'
+printf '%s\n' 'solid a' 'facet normal 0 0 1' 'outer loop' 'vertex 0 0 0' 'vertex 1 0 0' 'vertex 0 1' >number.stl
+refused number.stl 'number[.]stl: ends too early, or lacks a number, expected a whole file$'
 echo words >words.txt
 refused words.txt 'words.txt: libassimp: .*, expected a mesh in one of its formats$'
 head -c 300 a.glb >torn.glb

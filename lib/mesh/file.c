@@ -29,6 +29,9 @@ static bool refused(char err[ERR_BYTES])
         return err_set(err, "an OBJ without faces, expected one at least");
     if (strstr(why, "STL storage representation"))
         return err_set(err, "neither STL in text nor an STL whose length is that of its facets");
+    const char *word = strstr(why, "parse string \"");
+    if (word && (word[14] == '"' || word[14] == '?')) /* its ? is no printable character */
+        return err_set(err, "ends too early, or lacks a number, expected a whole file");
     if (strstr(why, "BlendDNA"))
         return err_set(err, "of a Blender that libassimp does not read, expected glTF exported by "
                             "Blender; balance renders the file as it is");
@@ -60,9 +63,21 @@ static bool declares_strips(const char *line)
     return *line >= '1' && *line <= '9';
 }
 
-/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. *unread:
- * whether it has colours that libassimp passes over. */
-static bool has_strips(FILE *f, bool *unread)
+/* True of a colour whose type libassimp takes for a share of its range, and not of 255. */
+static bool is_bad_colour(const char *line, const char *name)
+{
+    static const char *const bad[] = {
+        "char ", "int8 ", "short ", "int16 ", "int ", "int32 ", "uint ", "uint32 "};
+    line += 8 + strspn(line + 8, " \t");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (strncmp(line, bad[i], strlen(bad[i])) == 0)
+            return strcmp(name, " red") == 0 || strcmp(name, " r") == 0;
+    return false;
+}
+
+/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. Notes
+ * colours that libassimp passes over or reads wrong. */
+static bool has_strips(FILE *f, struct mesh *m)
 {
     char line[LINE_BYTES];
     bool faces = false;
@@ -71,43 +86,73 @@ static bool has_strips(FILE *f, bool *unread)
         if (declares_strips(line)) return true;
         if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
         const char *name = strrchr(line, ' ');
-        if (name && strncmp(line, "property", 8) == 0)
-            *unread |= (faces && strcmp(name, " red") == 0) || strcmp(name, " diffuse_red") == 0;
+        if (!name || strncmp(line, "property", 8) != 0) continue;
+        m->lost_colours |=
+            (faces && strcmp(name, " red") == 0) || strcmp(name, " diffuse_red") == 0;
+        m->bad_colours |= !faces && is_bad_colour(line, name);
     }
     return false;
 }
 
-/* An extension that a glTF requires, and that libassimp passes over although places of corners or
- * meshes depend on it; NULL: none. */
-static const char *passed_over(FILE *f)
+/* Extensions of glTF that may be required: libassimp reads them, or they change looks alone. */
+static bool is_read(const char *extension)
 {
-    static const char *const names[] = {
-        "KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
-    char first[4], *part = NULL, *list = NULL;
+    static const char *const begin[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+        "MSFT_texture_", "KHR_lights_punctual", "KHR_draco_mesh_compression", "KHR_xmp"};
+    for (size_t i = 0; i < sizeof begin / sizeof *begin; i++)
+        if (strncmp(extension, begin[i], strlen(begin[i])) == 0) return true;
+    return false;
+}
+
+/* Those that may be used without being required, although other meshes are seen with them. */
+static bool is_lost(const char *extension)
+{
+    return strcmp(extension, "EXT_mesh_gpu_instancing") == 0 ||
+           strcmp(extension, "KHR_node_visibility") == 0;
+}
+
+/* Goes through the names of a list. Sets unread to a required extension that is not read. */
+static void take_extensions(struct mesh *m, char *list, bool required, char unread[ERR_WORD])
+{
+    char *name = strchr(list, '['), *end = name;
+    while (end && (name = strchr(end + 1, '"')) && (end = strchr(name + 1, '"'))) {
+        *end = '\0', name++;
+        if (required && !is_read(name)) err_word(unread, name, strlen(name));
+        if (!required) m->lost_extensions += is_lost(name);
+    }
+}
+
+static void read_extensions(struct mesh *m, FILE *f, char unread[ERR_WORD])
+{
+    char first[4], *part = NULL;
     size_t room = 0, n = fread(first, 1, sizeof first, f);
     const bool binary = n == 4 && memcmp(first, "glTF", 4) == 0;
-    if (!binary && !memchr(first, '{', n)) return NULL;
+    *unread = '\0';
+    if (!binary && !memchr(first, '{', n)) return;
     fseek(f, binary ? 20 : 0, SEEK_SET);
-    while (!list && getdelim(&part, &room, ']', f) > 0)
-        list = strstr(part, "\"extensionsRequired\"");
-    const char *found = NULL;
-    for (size_t i = 0; list && i < sizeof names / sizeof *names; i++)
-        if (strstr(list, names[i])) found = names[i];
+    while (getdelim(&part, &room, ']', f) > 0) {
+        char *used = strstr(part, "\"extensionsUsed\"");
+        char *required = strstr(part, "\"extensionsRequired\"");
+        if (used) take_extensions(m, used, false, unread);
+        if (required) take_extensions(m, required, true, unread);
+    }
     free(part);
-    return found;
 }
 
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
     if (!f) return err_set(err, "%s", strerror(errno));
-    bool strips = has_strips(f, &m->lost_colours);
+    char extension[ERR_WORD];
+    bool strips = has_strips(f, m);
     rewind(f);
-    const char *extension = passed_over(f);
+    read_extensions(m, f, extension);
+    rewind(f);
+    m->lost_colours |= mesh_off_paints(f);
     rewind(f);
     m->odd_lines = mesh_odd_lines(f);
     fclose(f);
-    if (extension)
+    if (*extension)
         return err_set(
             err, "requires %s, which libassimp does not read, expected a glTF without", extension);
     return !strips || err_set(err, "PLY with element tristrips, expected element face");
@@ -163,13 +208,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
-    m->scene =
-        m->odd_lines || mesh_file_marked(path) ? mesh_import_mended(path) : aiImportFile(path, 0);
-    if (m->scene && m->lost_libraries) { /* their names may be there in another case */
-        aiReleaseImport(m->scene);
-        m->lost_libraries = 0;
-        m->scene = mesh_import_mended(path);
-    }
+    m->scene = mesh_import(path);
     return m->scene || refused(err);
 }
 
@@ -219,6 +258,7 @@ static void note(const char *said, char *user)
 {
     struct mesh *m = (void *)user;
     if (strstr(said, "Unable to locate material file")) m->lost_libraries++;
+    if (strstr(said, "OBJ: failed to locate material")) m->lost_materials++;
     if (strstr(said, "index is out of range")) m->lost_vertex = true;
     if (strstr(said, "in the header is incorrect")) m->lost_end = true; /* OFF */
     if (strstr(said, "unexpected EOF")) m->lost_end = true;             /* STL in text */

@@ -5,6 +5,7 @@
 
 static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_LIBRARIES] = {"files of materials that are not there", "their materials are grey", 0},
+    [LOSS_MATERIALS] = {"names of materials that are in no file", "their faces are grey", 0},
     [LOSS_TEXTURES] = {"materials with textures", "written without them", 0},
     [LOSS_PICTURES] = {"pictures of textures that cannot be read",
         "their faces have the material's colour", 0},
@@ -15,8 +16,10 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_HOLES] = {"materials whose alpha cuts holes", "written without holes", 0},
     [LOSS_COLOURS] = {"meshes with colours at their vertices", "each face has their mean", 0},
     [LOSS_ALPHA] = {"meshes whose colours at vertices have an alpha", "written as opaque", 0},
-    [LOSS_UNREAD_COLOURS] = {"colours of a PLY's faces, or of other names than red, green and blue",
+    [LOSS_UNREAD_COLOURS] = {"colours of a PLY's or OFF's faces, or in a PLY of other names than "
+                             "red, green and blue or other types than uchar, ushort and float",
         "left out", 0},
+    [LOSS_EXTENSIONS] = {"extensions of glTF that hide nodes or repeat meshes", "left out", 0},
     [LOSS_BONES] = {"meshes with bones", "written as they rest", 0},
     [LOSS_MORPHS] = {"meshes with morph targets", "written as they rest", 0},
     [LOSS_ANIMATIONS] = {"animations", "left out", 0},
@@ -45,23 +48,26 @@ static const struct mesh_loss names[LOSSES + 1] = {
 bool mesh_is_gltf(const struct mesh *m) { return mesh_is_read_by(m, "glTF2"); }
 bool mesh_is_gltf1(const struct mesh *m) { return mesh_is_read_by(m, "glTF "); }
 
+/* libassimp leaves an alpha of 0 at all vertices whose colours have three components. */
 static bool has_alpha(const struct aiMesh *mesh)
 {
     const struct aiColor4D *of = mesh->mColors[0];
-    for (unsigned i = 0; of && i < mesh->mNumVertices; i++)
-        if (of[i].a < 1) return true;
-    return false;
+    bool clear = false, is = false;
+    for (unsigned i = 0; of && i < mesh->mNumVertices; i++) clear |= of[i].a<1, is |= of[i].a> 0;
+    return clear && is;
 }
 
 void mesh_losses_find(struct mesh *m)
 {
     memcpy(m->loss, names, sizeof names);
     m->loss[LOSS_LIBRARIES].n = m->lost_libraries;
-    m->loss[LOSS_UNREAD_COLOURS].n = m->lost_colours;
+    if (!m->lost_libraries) m->loss[LOSS_MATERIALS].n = m->lost_materials;
+    m->loss[LOSS_UNREAD_COLOURS].n = m->lost_colours || m->bad_colours;
+    m->loss[LOSS_EXTENSIONS].n = m->lost_extensions;
     m->loss[LOSS_ANIMATIONS].n = m->scene->mNumAnimations;
     for (unsigned i = 0; i < m->scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = m->scene->mMeshes[i];
-        m->loss[LOSS_COLOURS].n += mesh->mColors[0] != NULL;
+        m->loss[LOSS_COLOURS].n += mesh->mColors[0] && !m->bad_colours;
         m->loss[LOSS_ALPHA].n += has_alpha(mesh);
         m->loss[LOSS_BONES].n += mesh->mNumBones > 0;
         m->loss[LOSS_MORPHS].n += mesh->mNumAnimMeshes > 0;

@@ -1,7 +1,8 @@
 /* mark: files through libassimp without what it does not read: the byte order mark that some
- * programs write first, and in an OBJ numbers such as .5, whose corner it leaves out, blanks before
- * a word, comments behind numbers, and blanks behind the name of a material library, quotes around
- * it, or a second name. */
+ * programs write first; in an OBJ numbers such as .5, whose corner it leaves out, blanks before
+ * a word, comments behind numbers, blanks behind the name of a material library, quotes around
+ * it, or a second name, and vertices with a colour behind others without; comments in an OFF;
+ * a byte 10 that the numbers of a PLY begin with, which it takes for a second end of the line. */
 #include "mesh/mesh_int.h"
 
 #include <assimp/cfileio.h>
@@ -26,15 +27,7 @@ static size_t pass_mark(FILE *f)
     return marked;
 }
 
-bool mesh_file_marked(const char *path)
-{
-    FILE *f = fopen(path, "rb");
-    const bool marked = f && pass_mark(f);
-    if (f) fclose(f);
-    return marked;
-}
-
-/* ---- lines of an OBJ ------------------------------------------------------------------------- */
+/* ---- lines ----------------------------------------------------------------------------------- */
 
 /* True of the point of a number such as .5, in a line that begins with v. */
 static bool is_bare(const char *line, size_t i)
@@ -43,21 +36,54 @@ static bool is_bare(const char *line, size_t i)
            line[i + 1] >= '0' && line[i + 1] <= '9';
 }
 
+/* What the lines of a file so far say of all. */
+struct lines {
+    bool begun, off, ply; /* there was a word; the first one is that of an OFF or PLY */
+    bool plain, coloured; /* OBJ: there are vertices without a colour, and with one */
+};
+
+static size_t words_of(const char *line, size_t n)
+{
+    size_t at = 0, words = 0;
+    for (; at < n && line[at] != '#'; words++) {
+        while (at < n && strchr(" \t\r\n", line[at])) at++;
+        if (at == n || line[at] == '#') break;
+        while (at < n && !strchr(" \t\r\n#", line[at])) at++;
+    }
+    return words;
+}
+
+static void note_line(struct lines *l, const char *line, size_t n)
+{
+    const char *word = line + mesh_bytes_marked((const unsigned char *)line, n);
+    word += strspn(word, " \t\r\n");
+    if (!l->begun && *word && *word != '#') {
+        l->begun = true;
+        l->off = strncmp(word + strspn(word, "STCN4n"), "OFF", 3) == 0;
+        l->ply = strncasecmp(word, "ply", 3) == 0;
+    }
+    if (*word != 'v' || !strchr(" \t", word[1])) return;
+    const size_t words = words_of(line, n);
+    l->plain |= words == 4;
+    l->coloured |= words == 7;
+}
+
 /* The bytes of a line that libassimp reads: without blanks before the words below, a comment behind
  * numbers, or blanks behind the name of a material library. The line's end follows them. */
 struct span {
     size_t from, to, end;
     bool mtllib; /* the line names files of materials */
+    bool white;  /* the vertex needs a colour, because others have one */
 };
 
-static struct span span_of(const char *line, size_t n)
+static struct span span_of(const char *line, size_t n, const struct lines *l)
 {
     static const struct {
         const char *word;
         bool numbers;
-    } words[] = {
-        {"v", true}, {"vn", true}, {"vt", true}, {"f", true}, {"usemtl", false}, {"mtllib", false}};
-    struct span s = {0, n, n, false};
+    } words[] = {{"v", true}, {"vn", true}, {"vt", true}, {"f", true}, {"usemtl", false},
+        {"mtllib", false}, {"newmtl", false}};
+    struct span s = {0, n, n, false, false};
     const size_t lead = strspn(line, " \t"), word = strcspn(line + lead, " \t\r\n");
     while (s.end > 0 && (line[s.end - 1] == '\n' || line[s.end - 1] == '\r')) s.end--;
     s.to = s.end;
@@ -69,7 +95,11 @@ static struct span span_of(const char *line, size_t n)
         s.mtllib = strcmp(words[i].word, "mtllib") == 0;
         if (comment) s.to = (size_t)(comment - line);
         while (!words[i].numbers && strchr(" \t", line[s.to - 1])) s.to--;
+        s.white = i == 0 && l->plain && l->coloured && words_of(line, n) == 4;
     }
+    const char *comment = l->off ? memchr(line, '#', s.end) : NULL;
+    if (comment) s.to = (size_t)(comment - line);
+    if (comment && !words_of(line, n)) s.to = 0, s.end = n; /* libassimp counts such lines */
     return s;
 }
 
@@ -93,13 +123,19 @@ static bool is_quote(const char *line, size_t i, const struct span *s)
     return s->mtllib && line[i] == '"';
 }
 
-static bool is_odd(const char *line, size_t n)
+static bool is_odd(const char *line, size_t n, const struct lines *l)
 {
-    const struct span s = span_of(line, n);
-    bool odd = s.from > 0 || s.to < s.end;
+    const struct span s = span_of(line, n, l);
+    bool odd = s.from > 0 || s.to < s.end || s.white;
     for (size_t i = s.from; i < s.to; i++)
         odd = odd || before(line, i, &s) || is_quote(line, i, &s);
     return odd;
+}
+
+/* True of the last line before the numbers of a PLY. */
+static bool ends_header(const struct lines *l, const char *line)
+{
+    return l->ply && strncmp(line, "end_header", 10) == 0;
 }
 
 bool mesh_odd_lines(FILE *f)
@@ -108,25 +144,49 @@ bool mesh_odd_lines(FILE *f)
     size_t room = 0;
     ptrdiff_t n;
     bool found = false;
-    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n))
-        found = is_odd(line, (size_t)n);
+    struct lines l = {.begun = false};
+    while (!found && (n = getline(&line, &room, f)) > 0 && !memchr(line, '\0', (size_t)n)) {
+        note_line(&l, line, (size_t)n);
+        if (ends_header(&l, line)) {
+            found = getc(f) == '\n';
+            break;
+        }
+        found = (l.plain && l.coloured) || is_odd(line, (size_t)n, &l);
+    }
     free(line);
     return found;
 }
 
-/* Copies all that is left, with such lines mended. */
+/* Copies the rest of a PLY. The header ends in \r\n, which libassimp takes for one line end. */
+static void copy_numbers(FILE *from, FILE *to)
+{
+    char part[BUFSIZ];
+    size_t n;
+    fputs("end_header\r\n", to);
+    while ((n = fread(part, 1, sizeof part, from)) > 0) fwrite(part, 1, n, to);
+}
+
+/* Copies a file with such lines mended. */
 static void copy_mended(FILE *from, FILE *to)
 {
     char *line = NULL;
     size_t room = 0;
     ptrdiff_t n;
+    struct lines l = {.begun = false};
+    while ((n = getline(&line, &room, from)) > 0 && !l.ply) note_line(&l, line, (size_t)n);
+    rewind(from);
     while ((n = getline(&line, &room, from)) > 0) {
-        const struct span s = span_of(line, (size_t)n);
+        if (ends_header(&l, line)) {
+            copy_numbers(from, to);
+            break;
+        }
+        const struct span s = span_of(line, (size_t)n, &l);
         for (size_t i = s.from; i < s.to; i++) {
             const char *more = before(line, i, &s);
             if (more) fputs(more, to);
             if (!is_quote(line, i, &s)) putc(line[i], to);
         }
+        if (s.white) fputs(" 1 1 1", to);
         fwrite(line + s.end, 1, (size_t)n - s.end, to);
     }
     free(line);
@@ -185,12 +245,11 @@ static enum aiReturn seek(struct aiFile *file, size_t at, enum aiOrigin from)
     return ok ? aiReturn_SUCCESS : aiReturn_FAILURE;
 }
 
-/* In any case of letters. */
 static FILE *open_named(const char *path)
 {
     FILE *f = fopen(path, "rb");
     if (f) return f;
-    char *there = mesh_any_case(path);
+    char *there = mesh_neighbour(path);
     f = there ? fopen(there, "rb") : NULL;
     free(there);
     return f;
@@ -222,7 +281,7 @@ static void close_source(struct aiFileIO *io, struct aiFile *file)
     free(s);
 }
 
-const struct aiScene *mesh_import_mended(const char *path)
+const struct aiScene *mesh_import(const char *path)
 {
     struct aiFileIO io = {open_source, close_source, NULL};
     return aiImportFileEx(path, 0, &io);

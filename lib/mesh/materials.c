@@ -44,22 +44,23 @@ static bool has_alpha(const struct aiMaterial *m, const char *mode, bool otherwi
 
 /*
  * True if libassimp made the material up for faces without one. The name alone does not tell: STL
- * and others use it for the colours of the file, too.
+ * and others use it for the colours of the file, too. bare: the format has no materials, and those
+ * that libassimp makes up have no name.
  */
-static bool is_made_up(const struct aiMaterial *m, struct vec3 diffuse)
+static bool is_made_up(const struct aiMaterial *m, struct vec3 diffuse, bool bare)
 {
     struct aiString name;
-    return aiGetMaterialString(m, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
-           strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0 && (float)diffuse.x == .6f &&
-           (float)diffuse.y == .6f && (float)diffuse.z == .6f;
+    const bool named = aiGetMaterialString(m, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS;
+    return (bare || (named && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)) &&
+           (float)diffuse.x == .6f && (float)diffuse.y == .6f && (float)diffuse.z == .6f;
 }
 
-static struct material translate(const struct aiMaterial *m)
+static struct material translate(const struct aiMaterial *m, bool bare)
 {
     struct material out;
     struct vec3 c;
     colour(m, "$clr.diffuse", &c);
-    if (is_made_up(m, c)) c = v3(1, 1, 1);
+    if (is_made_up(m, c, bare)) c = v3(1, 1, 1);
     out.r = c.x, out.g = c.y, out.b = c.z;
     double opacity = has_alpha(m, "BLEND", true) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
     double through = within(real(m, "$mat.transmission.factor", 0), 0, 1);
@@ -101,11 +102,12 @@ void mesh_materials_find(struct mesh *m)
     const struct aiScene *s = m->scene;
     bool *used = mesh_materials_used(m);
     const bool x3d = mesh_is_read_by(m, "Extensible 3D"); /* its shininess is from 0 to 1 */
+    const bool off = mesh_is_read_by(m, "OFF");
     m->materials = xcalloc(s->mNumMaterials + 1, sizeof *m->materials);
     for (unsigned i = 0; i < s->mNumMaterials; i++) {
         const struct aiMaterial *from = s->mMaterials[i];
         struct vec3 glow;
-        m->materials[i] = translate(from);
+        m->materials[i] = translate(from, off);
         if (x3d) m->materials[i].shine = fmin(m->materials[i].shine * 128, SHINE_MAX);
         if (!used[i]) continue;
         m->loss[LOSS_TEXTURES].n += has_texture(from);

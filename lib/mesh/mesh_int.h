@@ -16,6 +16,7 @@
 
 enum mesh_loss_kind {
     LOSS_LIBRARIES,
+    LOSS_MATERIALS,
     LOSS_TEXTURES,
     LOSS_PICTURES,
     LOSS_MAPPINGS,
@@ -25,6 +26,7 @@ enum mesh_loss_kind {
     LOSS_COLOURS,
     LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
+    LOSS_EXTENSIONS,
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
@@ -139,12 +141,16 @@ struct mesh {
     struct mesh_loss loss[LOSSES + 1];
     char turned[128];     /* what mesh_turned returns */
     char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
-    bool odd_lines;       /* of an OBJ, which libassimp reads wrong */
+    bool odd_lines;       /* of an OBJ or OFF, which libassimp reads wrong */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
+    unsigned lost_materials; /* materials that are in no such file */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
-    bool lost_colours;       /* what only the header of a PLY says: it has some that are not read */
+    /* What only the file says: */
+    bool lost_colours;        /* of a PLY or OFF: it has some that are not read */
+    bool bad_colours;         /* of a PLY: libassimp reads them wrong */
+    unsigned lost_extensions; /* of glTF, without which places are others */
 };
 
 /* Fills parts and frames from the tree of nodes. False with err if there are too many faces. */
@@ -173,16 +179,18 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
 /* UTF-8 text may begin with a byte order mark, which libassimp takes for part of the first word:
  * its length, 3 or 0. (mark.c) */
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
-bool mesh_file_marked(const char *path);
-/* Has an OBJ lines that libassimp reads wrong? mark.c says which. */
+/* Has an OFF faces with a colour? */
+bool mesh_off_paints(FILE *f);
+/* Has an OBJ or OFF lines that libassimp reads wrong? mark.c says which. */
 bool mesh_odd_lines(FILE *f);
 /* A copy with such lines mended, of *n bytes; the caller frees it. */
 char *mesh_lines_mended(const unsigned char *data, size_t *n);
-/* aiImportFile of a file with such a mark, which is passed over, or such lines; the files that it
- * names may be there in another case. */
-const struct aiScene *mesh_import_mended(const char *path);
-/* A file in this directory whose name differs in case at most; NULL: none. The caller frees it. */
-char *mesh_any_case(const char *path);
+/* aiImportFile, which passes over such a mark and mends such lines, also of the files that this one
+ * names. Those may be there in another case. */
+const struct aiScene *mesh_import(const char *path);
+/* A file that is there, and whose name differs in case at most, or has a byte where this one has
+ * %XX; NULL: none. The caller frees it. */
+char *mesh_neighbour(const char *path);
 
 /* What the colour of a face's material is multiplied by. */
 struct mesh_colour {

@@ -29,12 +29,11 @@ static char *beside(const char *mesh, const char *name)
     return path;
 }
 
-/* In any case of letters. */
 static bool read_file_there(const char *path, struct image *im, char err[IMAGE_ERR])
 {
     char other[IMAGE_ERR];
     if (mesh_picture_read(path, im, err)) return true;
-    char *there = mesh_any_case(path);
+    char *there = mesh_neighbour(path);
     const bool ok = there && strcmp(there, path) != 0 && mesh_picture_read(there, im, other);
     free(there);
     return ok;

@@ -73,14 +73,17 @@ static bool read_lines(struct voxel *v, struct header *h)
 
 static bool is_true(const char *text) { return *text == 'T' || *text == 't' || *text == '1'; }
 
+/* MET_SHORT_ARRAY is MET_SHORT with several channels. */
 static bool read_type(struct voxel *v, const char *text, struct voxel_type *t)
 {
     char shown[ERR_WORD];
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        if (strcasecmp(text, types[i].name) == 0) {
-            *t = types[i].type;
-            return true;
-        }
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        const size_t n = strlen(types[i].name);
+        if (strncasecmp(text, types[i].name, n) != 0) continue;
+        if (text[n] && strcasecmp(text + n, "_ARRAY") != 0) continue;
+        *t = types[i].type;
+        return true;
+    }
     return voxel_fail(v, "ElementType: %s, expected a type of one number, such as MET_SHORT",
         err_word(shown, text, strlen(text)));
 }

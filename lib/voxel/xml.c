@@ -72,7 +72,7 @@ static void open_file(struct parsing *p, const char **a)
     const char *type = attribute(a, "type", ""), *by = attribute(a, "compressor", "");
     p->rectilinear = strcmp(type, "RectilinearGrid") == 0;
     if (!p->rectilinear && strcmp(type, "ImageData") != 0)
-        fail(p, type, "ImageData or RectilinearGrid in one file");
+        fail(p, type, "ImageData (.vti) or RectilinearGrid (.vtr) in one file");
     p->big = strcmp(attribute(a, "byte_order", "LittleEndian"), "BigEndian") == 0;
     p->word = strcmp(attribute(a, "header_type", "UInt32"), "UInt64") == 0 ? 8 : 4;
     p->packed = *by != '\0';
@@ -93,9 +93,14 @@ static void open_piece(struct parsing *p, const char **a)
 {
     double extent[6] = {0};
     reals(p, "Extent", attribute(a, "Extent", ""), 6, extent);
-    for (int i = 0; i < 6 && !p->failed; i++)
-        if (p->piece || extent[i] != p->extent[i])
-            fail(p, attribute(a, "Extent", ""), "one Piece with the WholeExtent");
+    if (p->failed) return;
+    bool whole = !p->piece;
+    for (int i = 0; i < 6; i++) whole = whole && extent[i] == p->extent[i];
+    if (!whole) {
+        p->failed = true;
+        voxel_fail(p->v, "a Piece of a part of the grid, expected one Piece of the whole");
+        XML_StopParser(p->parser, XML_FALSE);
+    }
     p->piece = true;
 }
 
