@@ -248,4 +248,30 @@ is 'a rotated pole that is turned about itself: no plane is known' "$(plane)" ''
 projected 'edition 1, Lambert' 32463 '+proj=lcc +lat_1=50 +lat_2=50 +lat_0=50 +lon_0=253 +R=6367470' 'set dataRepresentationType=3; set Nx=5; set Ny=4;
 	set latitudeOfFirstGridPointInDegrees=1; set longitudeOfFirstGridPointInDegrees=214.5; set LoVInDegrees=253; set DxInMetres=32463; set DyInMetres=32463;
 	set Latin1InDegrees=50; set Latin2InDegrees=50; set jScansPositively=1;' GRIB1
+# ---- what a satellite sees: ecCodes 2.28 has all places as if the first were in the north-west --------------------------
+space='set gridDefinitionTemplateNumber=90; set Nx=5; set Ny=4; set shapeOfTheEarth=7; set scaleFactorOfEarthMajorAxis=0; set scaledValueOfEarthMajorAxis=6378169;
+	set scaleFactorOfEarthMinorAxis=0; set scaledValueOfEarthMinorAxis=6356584; set latitudeOfSubSatellitePoint=0; set longitudeOfSubSatellitePointInDegrees=9.5;
+	set dx=362; set dy=361; set Xp=185500; set Yp=185500; set iScansNegatively=0; set jScansPositively=0; set orientationOfTheGridInDegrees=0; set Nr=6610700;
+	set Xo=200; set Yo=60;'
+disc='+proj=geos +lon_0=9.5 +h=35785992.81 +a=6378169 +b=6356584'
+projected 'a satellite' 30000 "$disc" "$space"
+# seen RULES: prints the place of each value, in angles of 10 microradians
+seen() {
+	grib_filter -o s.grib - p.grib <<-END
+		$1 write;
+	END
+	got s.grib "$name" >/dev/null
+	{ coordinates X a.vtk; coordinates Y a.vtk; values a.vtk; } | awk '{ v[NR] = $1 } END { for (i = 0; i < 20; i++)
+		printf "%d %.0f %.0f\n", v[10 + i], v[i % 5 + 1] / 357.8599, v[int(i / 5) + 6] / 357.8599 }' | sort -n | sed -n '1p; 2p; 6p'
+}
+is 'a satellite: rows from the north-west' "$(seen '')" "$(printf '%s\n' '1 1217 10522' '2 1300 10522' '6 1217 10439')"
+is 'a satellite: rows from the south-east' "$(seen 'set iScansNegatively=1; set jScansPositively=1; set Xo=50;')" \
+	"$(printf '%s\n' '1 11368 -10522' '2 11284 -10522' '6 11368 -10439')"
+is 'a satellite: the same of an image upside down' "$(seen 'set orientationOfTheGridInDegrees=180; set iScansNegatively=1; set jScansPositively=1;')" "$(seen '')"
+seen 'set orientationOfTheGridInDegrees=20;' >/dev/null
+is 'a satellite that is turned: no plane is known' "$(plane)" ''
+for far in latitudeOfSubSatellitePoint=1000000 Nr=missing; do
+	grib_set -s $far p.grib far.grib
+	refused far.grib "$name" 'what a satellite sees from far away or not from over the equator, expected'
+done
 finish
