@@ -176,6 +176,8 @@ if there /usr/include/udunits2.h; then
 	sed 's/ocean_s_coordinate_g2/ocean_sigma_z_coordinate/; s/"s: s_rho C: Cs_r/"sigma: s_rho zlev: zlev nsigma: n/; s/hc = 10/hc = 50/' roms.cdl >o.cdl
 	is 'ocean sigma over z' "$(sed 's/n = 0/n = 2/' o.cdl | ncgen -o form.nc; levels form.nc)" '-24.5000 -4.1000 '
 	is 'ocean sigma over z: z' "$(sed 's/zlev = -200, -300/zlev = -300, -200/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	is 'ocean sigma over z: z in km' "$(sed 's/zlev = -200, -300/zlev = -.3, -.2/; s/int n;/& zlev:units = "km";/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	is 'a depth_c in km' "$(sed 's/hc:units = "meter"/hc:units = "km"/; s/hc = 10/hc = .01/' roms.cdl | ncgen -o form.nc; levels form.nc)" '-28.1200 -4.0050 '
 	is 'values stay at their levels' "$(got -z roms.nc temp)" '1 1 1 1 1 1 2 2 2 2 2 2'
 	sed 's/h = 90, 90/h = 90, 900/' roms.cdl | ncgen -o steep.nc
 	is 'values are moved in each column' "$(got -z steep.nc temp | cut -d' ' -f 1-3)" '1 2 1'
