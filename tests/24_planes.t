@@ -179,6 +179,22 @@ if there /usr/include/udunits2.h; then
 	is 'ocean sigma over z: z in km' "$(sed 's/zlev = -200, -300/zlev = -.3, -.2/; s/int n;/& zlev:units = "km";/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
 	is 'a depth_c in km' "$(sed 's/hc:units = "meter"/hc:units = "km"/; s/hc = 10/hc = .01/' roms.cdl | ncgen -o form.nc; levels form.nc)" '-28.1200 -4.0050 '
 	is 'values stay at their levels' "$(got -z roms.nc temp)" '1 1 1 1 1 1 2 2 2 2 2 2'
+	# depths of 80 and 100 m in turns, so that all points between them have 90 m, and what has no depth has none
+	make_nc between 's_rho = 2; eta_rho = 3; xi_rho = 3; eta_u = 3; xi_u = 2; eta_v = 2; xi_v = 3; eta_psi = 2; xi_psi = 2;' 'double s_rho(s_rho);
+		s_rho:standard_name = "ocean_s_coordinate_g2"; s_rho:formula_terms = "s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc"; double Cs_r(s_rho); double hc;
+		double h(eta_rho, xi_rho); double zeta(eta_rho, xi_rho); double lon_u(eta_u, xi_u), lat_u(eta_u, xi_u); lon_u:units = "degree_east";
+		lat_u:units = "degree_north"; double lon_v(eta_v, xi_v), lat_v(eta_v, xi_v); lon_v:units = "degree_east"; lat_v:units = "degree_north";
+		float u(s_rho, eta_u, xi_u), v(s_rho, eta_v, xi_v); u:coordinates = "lon_u lat_u"; v:coordinates = "lon_v lat_v";
+		float p(s_rho, eta_psi, xi_psi); double eta_psi(eta_psi), xi_psi(xi_psi); p:note = "";' 's_rho = -.5, -.1; Cs_r = -.3, -.05; hc = 10;
+		h = 80, 100, 80, 100, 80, 100, 80, 100, 80; zeta = 1, 1, 1, 1, 1, 1, 1, 1, 1; lon_u = 1, 2, 1, 2, 1, 2; lat_u = 5, 5, 6, 6, 7, 7; lon_v = 1, 2, 3, 1, 2, 3;
+		lat_v = 5, 5, 5, 6, 6, 6; u = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12; v = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12; eta_psi = 5, 6; xi_psi = 1, 2;
+		p = 1, 2, 3, 4, 5, 6, 7, 8;'
+	for point in u v p; do
+		is "ROMS: levels of $point, between the points of the depth" "$(got -z between.nc $point | wc -w):$(coordinates Z a.vtk | awk '{ printf "%.4f ", $1 }')" \
+			"$([ $point = p ] && echo 8 || echo 12):-28.1200 -4.0050 "
+	done
+	sed 's/h = 80, 100, 80/h = 80, 100, _/' between.cdl | ncgen -o between.nc
+	is 'ROMS: where a depth is missing' "$(got -z between.nc u | cut -d' ' -f 1-3)" '1 nan 3'
 	sed 's/h = 90, 90/h = 90, 900/' roms.cdl | ncgen -o steep.nc
 	is 'values are moved in each column' "$(got -z steep.nc temp | cut -d' ' -f 1-3)" '1 2 1'
 	sed 's/ depth_c: hc//' roms.cdl | ncgen -o less.nc
