@@ -94,9 +94,9 @@ bool cf_numbers(
 
 /* ---- layers ---------------------------------------------------------------------------------- */
 
-/* True if a dimension is the axis of the field, or, of ROMS, if it is that of the rho points between
- * which its u, v or psi points lie: xi_rho is an axis xi_u. Then more is 1 if it has one point
- * more, and the field has the means of neighbours. */
+/* True if a dimension is the axis of the field; or, of ROMS, if it is that of the rho points
+ * between which its u, v or psi points lie: xi_rho is an axis xi_u. more is 1 if it has one more.
+ * Then the field has the means of neighbours. */
 static bool lies_on(const struct cf_axis *a, const char *dim, size_t count, size_t *more)
 {
     static const char *const points[] = {"u", "v", "psi"};
