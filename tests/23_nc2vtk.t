@@ -330,6 +330,10 @@ if there /usr/include/udunits2.h; then
 	refused_z kelvin.nc "PS is in 'K', expected a unit of pressure"
 	ncdump hybrid.nc | sed 's/P0:units = "hPa"/P0:units = "kPa"/; s/ P0 = 1000/ P0 = 100/' | ncgen -o kilo.nc -
 	is '-z: pressures in any unit' "$(got -z kilo.nc s)" '3 4 1 nan 13 14 11 12'
+	ncdump hybrid.nc | sed 's/p0: P0 //; s/^.*P0:units/ca:units = "hPa";&/; s/ 0.2263206/ 226.3206/' | ncgen -o pascals.nc -
+	is '-z: a pressure called a, and not ap' "$(got -z pascals.nc s)" '3 4 1 nan 13 14 11 12'
+	ncdump hybrid.nc | sed 's/z:positive = .*/z:standard_name = "atmosphere_hybrid_sigma_pressure_coordinate" ;/' | ncgen -o down.nc -
+	is 'hybrid levels count downwards, if nothing else is said' "$(got -z down.nc s)" '3 4 1 nan 13 14 11 12'
 	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "km2 s-2" ;/; s/9806.65/0.00980665/; s/19613.3/0.0196133/g; s/39226.6/0.0392266/; s/49033.25/0.04903325/' |
 		ncgen -o squares.nc -
 	is '-z: a geopotential in any unit' "$(got -z squares.nc s)" '1 2 3 4 11 12 8 6.5'

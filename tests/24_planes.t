@@ -176,7 +176,25 @@ if there /usr/include/udunits2.h; then
 	sed 's/ocean_s_coordinate_g2/ocean_sigma_z_coordinate/; s/"s: s_rho C: Cs_r/"sigma: s_rho zlev: zlev nsigma: n/; s/hc = 10/hc = 50/' roms.cdl >o.cdl
 	is 'ocean sigma over z' "$(sed 's/n = 0/n = 2/' o.cdl | ncgen -o form.nc; levels form.nc)" '-24.5000 -4.1000 '
 	is 'ocean sigma over z: z' "$(sed 's/zlev = -200, -300/zlev = -300, -200/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	is 'ocean sigma over z: z in km' "$(sed 's/zlev = -200, -300/zlev = -.3, -.2/; s/int n;/& zlev:units = "km";/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	is 'a depth_c in km' "$(sed 's/hc:units = "meter"/hc:units = "km"/; s/hc = 10/hc = .01/' roms.cdl | ncgen -o form.nc; levels form.nc)" '-28.1200 -4.0050 '
 	is 'values stay at their levels' "$(got -z roms.nc temp)" '1 1 1 1 1 1 2 2 2 2 2 2'
+	# depths of 80 and 100 m in turns, so that all points between them have 90 m, and what has no depth has none
+	make_nc between 's_rho = 2; eta_rho = 3; xi_rho = 3; eta_u = 3; xi_u = 2; eta_v = 2; xi_v = 3; eta_psi = 2; xi_psi = 2;' 'double s_rho(s_rho);
+		s_rho:standard_name = "ocean_s_coordinate_g2"; s_rho:formula_terms = "s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc"; double Cs_r(s_rho); double hc;
+		double h(eta_rho, xi_rho); double zeta(eta_rho, xi_rho); double lon_u(eta_u, xi_u), lat_u(eta_u, xi_u); lon_u:units = "degree_east";
+		lat_u:units = "degree_north"; double lon_v(eta_v, xi_v), lat_v(eta_v, xi_v); lon_v:units = "degree_east"; lat_v:units = "degree_north";
+		float u(s_rho, eta_u, xi_u), v(s_rho, eta_v, xi_v); u:coordinates = "lon_u lat_u"; v:coordinates = "lon_v lat_v";
+		float p(s_rho, eta_psi, xi_psi); double eta_psi(eta_psi), xi_psi(xi_psi); p:note = "";' 's_rho = -.5, -.1; Cs_r = -.3, -.05; hc = 10;
+		h = 80, 100, 80, 100, 80, 100, 80, 100, 80; zeta = 1, 1, 1, 1, 1, 1, 1, 1, 1; lon_u = 1, 2, 1, 2, 1, 2; lat_u = 5, 5, 6, 6, 7, 7; lon_v = 1, 2, 3, 1, 2, 3;
+		lat_v = 5, 5, 5, 6, 6, 6; u = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12; v = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12; eta_psi = 5, 6; xi_psi = 1, 2;
+		p = 1, 2, 3, 4, 5, 6, 7, 8;'
+	for point in u v p; do
+		is "ROMS: levels of $point, between the points of the depth" "$(got -z between.nc $point | wc -w):$(coordinates Z a.vtk | awk '{ printf "%.4f ", $1 }')" \
+			"$([ $point = p ] && echo 8 || echo 12):-28.1200 -4.0050 "
+	done
+	sed 's/h = 80, 100, 80/h = 80, 100, _/' between.cdl | ncgen -o between.nc
+	is 'ROMS: where a depth is missing' "$(got -z between.nc u | cut -d' ' -f 1-3)" '1 nan 3'
 	sed 's/h = 90, 90/h = 90, 900/' roms.cdl | ncgen -o steep.nc
 	is 'values are moved in each column' "$(got -z steep.nc temp | cut -d' ' -f 1-3)" '1 2 1'
 	sed 's/ depth_c: hc//' roms.cdl | ncgen -o less.nc
@@ -248,4 +266,30 @@ is 'a rotated pole that is turned about itself: no plane is known' "$(plane)" ''
 projected 'edition 1, Lambert' 32463 '+proj=lcc +lat_1=50 +lat_2=50 +lat_0=50 +lon_0=253 +R=6367470' 'set dataRepresentationType=3; set Nx=5; set Ny=4;
 	set latitudeOfFirstGridPointInDegrees=1; set longitudeOfFirstGridPointInDegrees=214.5; set LoVInDegrees=253; set DxInMetres=32463; set DyInMetres=32463;
 	set Latin1InDegrees=50; set Latin2InDegrees=50; set jScansPositively=1;' GRIB1
+# ---- what a satellite sees: ecCodes 2.28 has all places as if the first were in the north-west --------------------------
+space='set gridDefinitionTemplateNumber=90; set Nx=5; set Ny=4; set shapeOfTheEarth=7; set scaleFactorOfEarthMajorAxis=0; set scaledValueOfEarthMajorAxis=6378169;
+	set scaleFactorOfEarthMinorAxis=0; set scaledValueOfEarthMinorAxis=6356584; set latitudeOfSubSatellitePoint=0; set longitudeOfSubSatellitePointInDegrees=9.5;
+	set dx=362; set dy=361; set Xp=185500; set Yp=185500; set iScansNegatively=0; set jScansPositively=0; set orientationOfTheGridInDegrees=0; set Nr=6610700;
+	set Xo=200; set Yo=60;'
+disc='+proj=geos +lon_0=9.5 +h=35785992.81 +a=6378169 +b=6356584'
+projected 'a satellite' 30000 "$disc" "$space"
+# seen RULES: prints the place of each value, in angles of 10 microradians
+seen() {
+	grib_filter -o s.grib - p.grib <<-END
+		$1 write;
+	END
+	got s.grib "$name" >/dev/null
+	{ coordinates X a.vtk; coordinates Y a.vtk; values a.vtk; } | awk '{ v[NR] = $1 } END { for (i = 0; i < 20; i++)
+		printf "%d %.0f %.0f\n", v[10 + i], v[i % 5 + 1] / 357.8599, v[int(i / 5) + 6] / 357.8599 }' | sort -n | sed -n '1p; 2p; 6p'
+}
+is 'a satellite: rows from the north-west' "$(seen '')" "$(printf '%s\n' '1 1217 10522' '2 1300 10522' '6 1217 10439')"
+is 'a satellite: rows from the south-east' "$(seen 'set iScansNegatively=1; set jScansPositively=1; set Xo=50;')" \
+	"$(printf '%s\n' '1 11368 -10522' '2 11284 -10522' '6 11368 -10439')"
+is 'a satellite: the same of an image upside down' "$(seen 'set orientationOfTheGridInDegrees=180; set iScansNegatively=1; set jScansPositively=1;')" "$(seen '')"
+seen 'set orientationOfTheGridInDegrees=20;' >/dev/null
+is 'a satellite that is turned: no plane is known' "$(plane)" ''
+for far in latitudeOfSubSatellitePoint=1000000 Nr=missing; do
+	grib_set -s $far p.grib far.grib
+	refused far.grib "$name" 'what a satellite sees from far away or not from over the equator, expected'
+done
 finish

@@ -140,6 +140,15 @@ static bool is_depth(struct cf_file *c, const struct cf_axis *a)
            (text_has(standard, "depth") || text_has(a->name, "depth") || text_has(about, "depth"));
 }
 
+/* Of levels whose pressure grows with their number. */
+static bool is_sigma(struct cf_file *c, const struct cf_axis *a)
+{
+    char standard[CF_TEXT];
+    cf_text(c, a->in, a->id, "standard_name", standard);
+    return strcmp(standard, "atmosphere_sigma_coordinate") == 0 ||
+           strcmp(standard, "atmosphere_hybrid_sigma_pressure_coordinate") == 0;
+}
+
 double cf_sense(const char *units)
 {
     static const char *const words[] = {"degrees_west", "degree_west", "degrees_W", "degree_W",
@@ -195,7 +204,8 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     face_east_and_north(a);
     a->kind = kind_of(c, in, id, a);
     a->pressure = a->kind == CF_Z && is_pressure(a->units);
-    a->down = strcasecmp(positive, "down") == 0 || a->pressure || (!positive[0] && is_depth(c, a));
+    a->down = strcasecmp(positive, "down") == 0 || a->pressure ||
+              (!positive[0] && (is_depth(c, a) || is_sigma(c, a)));
     name_calendar(c, in, id, a);
     return true;
 }

@@ -122,6 +122,14 @@ static int find_names(
     return n->a[0] && n->b[0] && n->ps[0];
 }
 
+/* True if a is a pressure, and not a factor of p0, as its name says. */
+static bool is_in_pascals(struct cf_file *c, int group, int id, const struct names *n)
+{
+    char units[CF_TEXT];
+    cf_text(c, group, id, "units", units);
+    return n->ps[0] && units[0] && cf_in_pascals(units) > 0;
+}
+
 /* Brings coefficients to a[k] + b[k] * surface pressure or height. */
 static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const struct names *n,
     struct cf_heights *h, char err[ERR_BYTES])
@@ -148,7 +156,7 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     const char *a = n->ap[0] ? n->ap : n->a;
     if (a[0] && !cf_numbers(c, z->in, a, z->n, h->a, err)) return false;
     if (!cf_numbers(c, z->in, n->b, z->n, h->b, err)) return false;
-    if (n->ap[0] && nc_inq_varid(z->in, n->ap, &id) == NC_NOERR) {
+    if (nc_inq_varid(z->in, a, &id) == NC_NOERR && (n->ap[0] || is_in_pascals(c, z->in, id, n))) {
         p0 = 1;
         if (!cf_to_pascals(c, z->in, id, &p0, err)) return false;
     }

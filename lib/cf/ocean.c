@@ -111,16 +111,28 @@ static bool find_columns(struct cf_file *c, const struct cf_field *f, const char
     return true;
 }
 
+/* Metres in the unit of a term. */
+static bool find_metres(
+    struct cf_file *c, int group, const char *name, double *metres, char err[ERR_BYTES])
+{
+    int id;
+    *metres = 1;
+    return nc_inq_varid(group, name, &id) != NC_NOERR || cf_to_metres(c, group, id, metres, err);
+}
+
 static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char *terms,
     struct cf_ocean *o, char err[ERR_BYTES])
 {
     char name[CF_TEXT];
+    double metres;
     for (int i = 0; i < PER_LEVEL; i++) {
         if (!named(terms, level_terms[i], forms[o->form].levels >> i & 1, name, z, err))
             return false;
         if (!*name) continue;
         o->level[i] = xcalloc(z->n, sizeof *o->level[i]);
         if (!cf_numbers(c, z->in, name, z->n, o->level[i], err)) return false;
+        if (i == ZLEV && !find_metres(c, z->in, name, &metres, err)) return false;
+        for (size_t k = 0; i == ZLEV && k < z->n; k++) o->level[i][k] *= metres;
     }
     for (int i = 0; i < SINGLE; i++) {
         const bool needed = forms[o->form].singles >> i & 1;
@@ -128,6 +140,9 @@ static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char 
         if (i == NSIGMA) cf_term(terms, single_terms[i], name);
         else if (!named(terms, single_terms[i], needed, name, z, err)) return false;
         if (*name && !cf_numbers(c, z->in, name, 1, &o->single[i], err)) return false;
+        if (i != DEPTH_C || !*name) continue;
+        if (!find_metres(c, z->in, name, &metres, err)) return false;
+        o->single[i] *= metres;
     }
     return true;
 }

@@ -94,12 +94,40 @@ bool cf_numbers(
 
 /* ---- layers ---------------------------------------------------------------------------------- */
 
+/* True if a dimension is the axis of the field; or, of ROMS, if it is that of the rho points
+ * between which its u, v or psi points lie: xi_rho is an axis xi_u. more is 1 if it has one more.
+ * Then the field has the means of neighbours. */
+static bool lies_on(const struct cf_axis *a, const char *dim, size_t count, size_t *more)
+{
+    static const char *const points[] = {"u", "v", "psi"};
+    const size_t head = strncmp(dim, "xi_", 3) == 0 ? 3 : strncmp(dim, "eta_", 4) == 0 ? 4 : 0;
+    *more = 0;
+    if (strncmp(a->name, dim, CF_TEXT - 1) == 0) return true;
+    if (!head || strcmp(dim + head, "rho") != 0 || strncmp(a->name, dim, head) != 0) return false;
+    *more = count == a->n + 1;
+    for (size_t i = 0; i < sizeof points / sizeof *points; i++)
+        if (strcmp(a->name + head, points[i]) == 0) return true;
+    return false;
+}
+
+/* The mean of the stored numbers at a node and at its neighbours, if there are more than nodes. */
+static double mean_at(
+    const struct cf_packing *p, const double *at, const size_t step[2], const size_t more[2])
+{
+    double sum = 0;
+    for (size_t j = 0; j <= more[CF_Y]; j++)
+        for (size_t i = 0; i <= more[CF_X]; i++)
+            sum += cf_unpack(p, at[i * step[CF_X] + j * step[CF_Y]]);
+    return sum / (double)((1 + more[CF_X]) * (1 + more[CF_Y]));
+}
+
 bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h,
     size_t time, size_t member, const struct grid *g, double *layer, char err[ERR_BYTES])
 {
     int dims = 0, dim[NC_MAX_VAR_DIMS];
     char name[NC_MAX_NAME + 1], what[NC_MAX_NAME + 1] = "";
     size_t start[CF_AXES_MAX] = {0}, count[CF_AXES_MAX], of[CF_AXES_MAX] = {0};
+    size_t more[2] = {0}, step[2] = {0}, extra, n = 1;
     unsigned seen = 0;
     cf_did(c, nc_inq_var(h->group, h->id, what, NULL, &dims, dim, NULL));
     if (dims > CF_AXES_MAX) dims = 0;
@@ -107,10 +135,14 @@ bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_
         const struct cf_axis *a = NULL;
         cf_did(c, nc_inq_dim(h->group, dim[i], name, &count[i]));
         for (int k = 0; k < f->n_axes; k++)
-            if (strncmp(f->axis[k].name, name, CF_TEXT - 1) == 0) a = &f->axis[k];
+            if (lies_on(&f->axis[k], name, count[i], &extra)) {
+                a = &f->axis[k];
+                if (a->kind <= CF_Y) more[a->kind] = extra;
+            }
         if (count[i] == 1 && !(a && a->kind <= CF_Y)) continue;
         const bool chosen = a && a->chosen;
-        if (!a || a->n != count[i] || a->kind == CF_Z || (a->kind == CF_NONE && !chosen))
+        if (!a || a->n + (a->kind <= CF_Y ? more[a->kind] : 0) != count[i] || a->kind == CF_Z ||
+            (a->kind == CF_NONE && !chosen))
             return err_set(err,
                 "%.60s of the surface has the dimension %.60s, expected x, y and time of the field",
                 what, name);
@@ -124,7 +156,8 @@ bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_
     }
     if (!(seen >> CF_X & 1 && seen >> CF_Y & 1))
         return err_set(err, "%.60s of the surface lacks x or y, expected both", what);
-    size_t n = (size_t)g->n[0] * g->n[1], at[CF_AXES_MAX] = {0};
+    for (int i = dims - 1; i >= 0; n *= count[i--])
+        if (of[i]) step[of[i] == 1 ? CF_X : CF_Y] = n;
     double *values = xcalloc(n, sizeof *values);
     struct cf_packing p;
     cf_packing(c, h->group, h->id, &p);
@@ -133,16 +166,14 @@ bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_
         return false;
     }
     cf_did(c, nc_get_vara_double(h->group, h->id, start, count, values));
-    for (size_t m = 0; m < n; m++) {
-        size_t to = 0;
-        for (int i = 0; i < dims; i++) {
-            if (!of[i]) continue;
-            const struct cf_axis *a = cf_axis_of(f, of[i] == 1 ? CF_X : CF_Y);
-            to += of[i] * (a->at[1] < a->at[0] ? a->n - 1 - at[i] : at[i]);
+    const struct cf_axis *x = cf_axis_of(f, CF_X), *y = cf_axis_of(f, CF_Y);
+    for (size_t j = 0; j < y->n; j++)
+        for (size_t i = 0; i < x->n; i++) {
+            const size_t column = x->at[1] < x->at[0] ? x->n - 1 - i : i;
+            const size_t row = y->at[1] < y->at[0] ? y->n - 1 - j : j;
+            const double *at = values + i * step[CF_X] + j * step[CF_Y];
+            layer[row * x->n + column] = mean_at(&p, at, step, more) * h->unit;
         }
-        layer[to] = cf_unpack(&p, values[m]) * h->unit;
-        for (int i = dims - 1; i >= 0 && ++at[i] == count[i]; i--) at[i] = 0;
-    }
     free(values);
     return cf_look(c, err);
 }

@@ -19,16 +19,21 @@ bool gb_next(struct gb_file *in, char err[ERR_BYTES]);
 bool gb_open_at(const char *path, size_t number, struct gb_file *in, char err[ERR_BYTES]);
 void gb_close(struct gb_file *in);
 
-/* The plane of a grid, and its first point there. text is empty if the plane is not known. */
+/* The plane of a grid, its first point there, and from each node to the next one in the order of
+ * scanning. text is empty if the plane is not known, and the first point then usually 0. */
 struct gb_plane {
     char text[PROJECTION_TEXT];
-    double x, y;
+    double x, y, step[2]; /* in metres */
 };
 void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p);
 
 /* The value of a key. If it is missing: 0, or NaN for gb_real. */
 long gb_long(const codes_handle *h, const char *key);
 double gb_real(const codes_handle *h, const char *key);
+
+/* The order of scanning: rows, and columns. What a satellite sees may be stated upside down. */
+bool gb_runs_west(const codes_handle *h);
+bool gb_runs_north(const codes_handle *h);
 
 /* "" if the key is missing. */
 void gb_text(const codes_handle *h, const char *key, char *out, size_t room);

@@ -174,7 +174,7 @@ struct gb_stack gb_member(const struct gb_stack *s, size_t member)
 static bool is_rectilinear(const char *kind)
 {
     static const char *const kinds[] = {"regular_ll", "rotated_ll", "regular_gg", "lambert",
-        "polar_stereographic", "mercator", "lambert_azimuthal_equal_area", "albers"};
+        "polar_stereographic", "mercator", "lambert_azimuthal_equal_area", "albers", "space_view"};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kind, kinds[i]) == 0) return true;
     return false;

@@ -71,3 +71,22 @@ double gb_real(const codes_handle *h, const char *key)
     double v = 0;
     return codes_get_double(h, key, &v) == CODES_SUCCESS ? v : (double)NAN;
 }
+
+/* An image whose y axis points to the south is turned by half a circle. */
+static bool is_upside_down(const codes_handle *h)
+{
+    char kind[GB_TEXT];
+    gb_text(h, "gridType", kind, GB_TEXT);
+    return strcmp(kind, "space_view") == 0 &&
+           fabs(gb_real(h, "orientationOfTheGridInDegrees")) == 180;
+}
+
+bool gb_runs_west(const codes_handle *h)
+{
+    return (gb_long(h, "iScansNegatively") != 0) != is_upside_down(h);
+}
+
+bool gb_runs_north(const codes_handle *h)
+{
+    return (gb_long(h, "jScansPositively") != 0) != is_upside_down(h);
+}

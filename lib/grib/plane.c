@@ -1,6 +1,6 @@
 /*
  * plane: the planes of projection of grids. WMO Manual on Codes, FM 92 GRIB, edition 2, templates
- * 3.1, 3.10, 3.20, 3.30, 3.31 and 3.140; FM 92 GRIB, edition 1, grids 1, 3, 5 and 10.
+ * 3.1, 3.10, 3.20, 3.30, 3.31, 3.90 and 3.140; FM 92 GRIB, edition 1, grids 1, 3, 5, 10 and 90.
  */
 #include "grib/grib_int.h"
 
@@ -52,6 +52,48 @@ static void mercator(const codes_handle *h, char text[PROJECTION_TEXT])
     projection_add(text, "lon_0", rint(first + (gb_long(h, "iScansNegatively") ? -half : half)));
 }
 
+/*
+ * What a satellite over the equator sees. The keys count grid lengths in the order of scanning, and
+ * state the Earth's apparent diameter in them, from pole to pole that of the smaller half axis, as
+ * EUMETSAT and ecCodes have it. A plane of PROJ is the angle times the height over the equator.
+ */
+static void satellite(const codes_handle *h, struct gb_plane *p)
+{
+    const double from_center = gb_real(h, "NrInRadiusOfEarth"); /* in radii of the equator */
+    const double seen = 2 * asin(1 / from_center);
+    double a = gb_real(h, "radius"), b = a;
+    if (gb_long(h, "earthIsOblate"))
+        a = gb_real(h, "earthMajorAxisInMetres"), b = gb_real(h, "earthMinorAxisInMetres");
+    if (!(from_center > 1) || gb_real(h, "latitudeOfSubSatellitePointInDegrees") != 0) return;
+    const double height = (from_center - 1) * a;
+    p->step[0] = height * seen / gb_real(h, "dx") * (gb_runs_west(h) ? -1 : 1);
+    p->step[1] = height * seen / gb_real(h, "dy") * b / a * (gb_runs_north(h) ? 1 : -1);
+    p->x = p->step[0] * (gb_real(h, "Xo") - gb_real(h, "XpInGridLengths"));
+    p->y = p->step[1] * (gb_real(h, "Yo") - gb_real(h, "YpInGridLengths"));
+    const double turned = gb_real(h, "orientationOfTheGridInDegrees");
+    if (turned != 0 && fabs(turned) != 180) return;
+    snprintf(p->text, PROJECTION_TEXT, "+proj=geos");
+    add(h, "longitudeOfSubSatellitePointInDegrees", "lon_0", p->text);
+    projection_add(p->text, "h", height);
+    add_earth(h, p->text);
+}
+
+/* Metres between nodes, from the first key that exists. */
+static double distance(const codes_handle *h, const char *const keys[3])
+{
+    double v = (double)NAN;
+    for (int i = 0; i < 3 && !(v > 0); i++) v = gb_real(h, keys[i]);
+    return v;
+}
+
+static void find_steps(const codes_handle *h, double step[2])
+{
+    static const char *const dx[] = {"DxInMetres", "DiInMetres", "xDirectionGridLengthInMetres"};
+    static const char *const dy[] = {"DyInMetres", "DjInMetres", "yDirectionGridLengthInMetres"};
+    step[0] = distance(h, dx) * (gb_runs_west(h) ? -1 : 1);
+    step[1] = distance(h, dy) * (gb_runs_north(h) ? 1 : -1);
+}
+
 void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p)
 {
     static const struct {
@@ -69,6 +111,11 @@ void gb_find_plane(const codes_handle *h, const char *kind, struct gb_plane *p)
             projection_rotated(p->text, -lat, lon + 180, 0);
         return;
     }
+    if (strcmp(kind, "space_view") == 0) {
+        satellite(h, p);
+        return;
+    }
+    find_steps(h, p->step);
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
         if (strcmp(kind, planes[i].kind) != 0) continue;
         snprintf(p->text, PROJECTION_TEXT, "+proj=%s", planes[i].proj);

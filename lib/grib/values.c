@@ -36,26 +36,21 @@ static void spread(double *at, uint32_t n, double first, double last)
     for (uint32_t i = 0; i < n; i++) at[i] = first + (last - first) * i / (n - 1);
 }
 
-/* Node distance on the projection plane, from the first key that exists. */
-static double distance(const codes_handle *h, const char *const keys[3])
-{
-    double v = (double)NAN;
-    for (int i = 0; i < 3 && !(v > 0); i++) v = gb_real(h, keys[i]);
-    return v;
-}
-
 /* Metres on the plane; if that is not known, from the corner with the lowest x and y. */
-static void plane_axes(const codes_handle *h, const char *kind, struct grid *g)
+static bool plane_axes(const codes_handle *h, const char *kind, struct grid *g, char err[ERR_BYTES])
 {
-    static const char *const dx[] = {"DxInMetres", "DiInMetres", "xDirectionGridLengthInMetres"};
-    static const char *const dy[] = {"DyInMetres", "DjInMetres", "yDirectionGridLengthInMetres"};
-    const double width = distance(h, dx) * (g->n[0] - 1), depth = distance(h, dy) * (g->n[1] - 1);
     struct gb_plane p;
     gb_find_plane(h, kind, &p);
-    if (*p.text && gb_long(h, "iScansNegatively")) p.x -= width;
-    if (*p.text && !gb_long(h, "jScansPositively")) p.y -= depth;
-    spread(g->at[0], g->n[0], p.x, p.x + width);
-    spread(g->at[1], g->n[1], p.y, p.y + depth);
+    const double first[2] = {p.x, p.y};
+    if (strcmp(kind, "space_view") == 0 && !(fabs(p.step[0] * p.step[1]) > 0))
+        return err_set(err, "what a satellite sees from far away or not from over the equator, "
+                            "expected one over the equator, at a height in the file");
+    for (int a = 0; a < 2; a++) {
+        const double length = p.step[a] * (g->n[a] - 1);
+        const double least = *p.text ? first[a] + fmin(length, 0) : 0;
+        spread(g->at[a], g->n[a], least, least + fabs(length));
+    }
+    return true;
 }
 
 /* Degrees, eastwards from the western edge, beyond 360 if needed. */
@@ -109,10 +104,11 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
     }
     for (size_t k = 0; k < n[2]; k++)
         g->at[2][down ? n[2] - 1 - k : k] = (down ? -e[k].level : e[k].level) + 0.0; /* no -0 */
-    if (gb_is_projected(e->kind)) plane_axes(in.h, e->kind, g);
+    bool good = true;
+    if (gb_is_projected(e->kind)) good = plane_axes(in.h, e->kind, g, err);
     else sphere_axes(in.h, e->kind, g);
     gb_close(&in);
-    bool good = check_axes(g, err);
+    good = good && check_axes(g, err);
     size_t nodes;
     if (good && __builtin_mul_overflow(n[0] * n[1], n[2], &nodes))
         good = err_set(err, "too many nodes, expected as many as fit in memory");
@@ -131,7 +127,7 @@ static bool take_values(
     const size_t nx = g->n[0], ny = g->n[1];
     const bool columns = gb_long(h, "jPointsAreConsecutive");
     const bool turns = gb_long(h, "alternativeRowScanning");
-    const bool leftwards = gb_long(h, "iScansNegatively"), up = gb_long(h, "jScansPositively");
+    const bool leftwards = gb_runs_west(h), up = gb_runs_north(h);
     size_t n = nx * ny, row = columns ? ny : nx, there = 0;
     codes_set_double(h, "missingValue", MISSING);
     int status = codes_get_size(h, "values", &there);
