@@ -239,8 +239,8 @@ lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 		$(echo "$lib" | grep -vE '^lib/(base/number|scene/token|scene/pov_put)\.c$') bin/*.c
 	ban 'memory comes from the allocators of base' '[mc]alloc|realloc|strn?dup|aligned_alloc' \
 		$(echo "$lib" | grep -v '^lib/base/memory\.c$') bin/*.c
-	ban 'the library exits only in die, and where its reader is gone' '_?exit|abort' \
-		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|worker/forks|worker/pulse|worker/session)\.c$')
+	ban 'the library exits only in die, and where its reader or display is gone' '_?exit|abort' \
+		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|viewer/loop|worker/forks|worker/pulse|worker/session)\.c$')
 }
 # ---- the system ----------------------------------------------------------------------------------------------
 # What C and POSIX.1-2008 lack is in lib/os, and in few files which are optional: see lib/README.md. A header of angle

@@ -78,7 +78,7 @@ done
 
 # ---- resuming: with the same costs, one run without a stop, and one killed at a random moment ------------
 mkdir relative
-ok 'an experiment, with a relative TMPDIR' env TMPDIR=relative protocol -n 1 -o whole.tsv faults
+ok 'an experiment to standard output, with a relative TMPDIR' sh -c 'TMPDIR=relative protocol -n 1 faults >whole.tsv'
 is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
 is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 13
 TMPDIR=$tmp protocol -n 1 -o a.tsv faults 2>/dev/null &
