@@ -248,7 +248,14 @@ group: m { variables: float s(lev, j, i); s:coordinates = "lon lat"; data: s = 1
 END
 ncgen -k nc4 -o curved.nc curved.cdl
 sed 's/degrees_east/degrees_west/; s/degrees_north/degrees_south/' curved.cdl | ncgen -k nc4 -o away.nc
-is 'also those of each node' "$(got -z away.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)" '4 3 2 1 8 7 6 5:-9 -7|-51 -50'
+is 'those of each node are turned, too' "$(got -z away.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)" '4 3 2 1 8 7 6 5:-9 -7|-51 -50'
+sed 's/degrees_east/radian/; s/degrees_north/radian/; s/lon = .*; zg/lon = .25, .5, .25, .5; lat = 1, 1, 1.25, 1.25; zg/' curved.cdl | ncgen -k nc4 -o radians.nc
+is 'radians become degrees' "$(got -z radians.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)" \
+	'1 2 3 4 5 6 7 8:14.32394487827058 28.64788975654116|57.29577951308233 71.61972439135292'
+make_nc radians 'lon = 2; lat = 2; z = 2;' 'float lon(lon); lon:units = "radian"; float lat(lat); lat:units = "rad"; float z(z); float s(z, lat, lon);' \
+	'lon = .25, .5; lat = 1, 1.25; z = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;'
+is 'also of axes' "$(got radians.nc s):$(on_line coordinates X a.vtk)|$(sed -n 2p a.vtk)" \
+	'1 2 3 4 5 6 7 8:14.32394487827058 28.64788975654116|s []; x lon [degrees_east]; y lat [degrees_north]; z z []'
 is 'and so are longitudes, latitudes and geopotential heights of each node' \
 	"$(got -z curved.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)|$(on_line coordinates Z a.vtk)" '1 2 3 4 5 6 7 8:7 9|50 51|1500 5600'
 

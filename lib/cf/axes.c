@@ -149,20 +149,29 @@ static bool is_sigma(struct cf_file *c, const struct cf_axis *a)
            strcmp(standard, "atmosphere_hybrid_sigma_pressure_coordinate") == 0;
 }
 
-double cf_sense(const char *units)
+double cf_degrees_in(const char *units)
 {
     static const char *const words[] = {"degrees_west", "degree_west", "degrees_W", "degree_W",
         "degreesW", "degreeW", "degrees_south", "degree_south", "degrees_S", "degree_S", "degreesS",
         NULL};
+    static const char *const radians[] = {"radian", "radians", "rad", NULL};
+    if (one_of(units, radians)) return 57.295779513082321; /* 180 / pi */
     return one_of(units, words) ? -1 : 1;
 }
 
-/* Degrees to the west and to the south become those that maps have. */
-static void face_east_and_north(struct cf_axis *a)
+/* Degrees to the west and to the south, and radians, become the degrees that maps have. Radians may
+ * be of another angle, as those of a scan. */
+static void face_east_and_north(struct cf_file *c, struct cf_axis *a)
 {
-    if (cf_sense(a->units) > 0) return;
-    snprintf(a->units, CF_TEXT, "%s", text_has(a->units, "w") ? "degrees_east" : "degrees_north");
-    for (size_t i = 0; i < a->n; i++) a->at[i] = -a->at[i];
+    const double degrees = cf_degrees_in(a->units);
+    char standard[CF_TEXT];
+    cf_text(c, a->in, a->id, "standard_name", standard);
+    const char *name = standard[0] ? standard : a->name;
+    const bool lon = strncasecmp(name, "lon", 3) == 0, lat = strncasecmp(name, "lat", 3) == 0;
+    if (degrees == 1 || (degrees > 1 && !lon && !lat)) return;
+    const bool east = degrees > 1 ? lon : text_has(a->units, "w");
+    snprintf(a->units, CF_TEXT, "%s", east ? "degrees_east" : "degrees_north");
+    for (size_t i = 0; i < a->n; i++) a->at[i] *= degrees;
 }
 
 /* The levels of the model WRF, which have no coordinates, are counted from the lowest one. */
@@ -201,7 +210,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
-    face_east_and_north(a);
+    face_east_and_north(c, a);
     a->kind = kind_of(c, in, id, a);
     a->pressure = a->kind == CF_Z && is_pressure(a->units);
     a->down = strcasecmp(positive, "down") == 0 || a->pressure ||

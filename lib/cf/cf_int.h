@@ -38,8 +38,8 @@ double cf_unpack(const struct cf_packing *p, double stored);
 /* A unit in another one, which it must be proportional to; 0 if it is not, or if libudunits2 was
  * missing. */
 double cf_in_units(const char *unit, const char *of);
-/* -1 for degrees to the west or to the south, else 1. */
-double cf_sense(const char *units);
+/* Degrees to the east or north in a unit of angles: -1 for degrees to the west or to the south. */
+double cf_degrees_in(const char *units);
 
 /* Finds the variable of a term, such as "ps" in "a: hyam b: hybm p0: P0 ps: PS". (terms.c) */
 bool cf_term(const char *terms, const char *what, char name[CF_TEXT]);

@@ -21,8 +21,8 @@ struct places {
     char name[2][CF_TEXT];
     struct cf_axis *of[2];
     double *at[2];
-    double sense[2]; /* cf_sense of their units */
-    size_t skip[2];  /* each such row, and each such column, is looked at */
+    double degrees[2]; /* in their units */
+    size_t skip[2];    /* each such row, and each such column, is looked at */
 };
 
 /* ---- the variables --------------------------------------------------------------------------- */
@@ -35,7 +35,7 @@ static enum cf_kind direction(struct cf_file *c, int group, int id, const char *
     cf_text(c, group, id, "standard_name", standard);
     const bool degrees = strncasecmp(units, "degree", 6) == 0;
     const char *of = degrees ? units + 6 + strspn(units + 6, "s_") : units;
-    if (*units && !degrees) return CF_NONE;
+    if (*units && !degrees && cf_degrees_in(units) == 1) return CF_NONE;
     if (*of == 'e' || *of == 'E' || strcmp(standard, "longitude") == 0) return CF_X;
     if (*of == 'n' || *of == 'N' || strcmp(standard, "latitude") == 0) return CF_Y;
     return text_has(name, "lon") ? CF_X : text_has(name, "lat") ? CF_Y : CF_NONE;
@@ -81,7 +81,7 @@ static void take(struct cf_file *c, struct cf_field *f, const char *name, struct
     if (p->of[0] && (p->of[0] != of[0] || p->of[1] != of[1])) return;
     p->in[kind] = group, p->id[kind] = id;
     cf_text(c, group, id, "units", units);
-    p->sense[kind] = cf_sense(units);
+    p->degrees[kind] = cf_degrees_in(units);
     snprintf(p->name[kind], CF_TEXT, "%s", name);
     p->of[0] = of[0], p->of[1] = of[1];
 }
@@ -114,7 +114,7 @@ static bool read_places(struct cf_file *c, struct places *p)
         if (!cf_did(c, nc_get_vara_double(p->in[k], p->id[k], start, count, p->at[k])))
             return false;
         for (size_t i = 0; i < ny * nx; i++)
-            p->at[k][i] = p->sense[k] * cf_unpack(&packing, p->at[k][i]);
+            p->at[k][i] = p->degrees[k] * cf_unpack(&packing, p->at[k][i]);
     }
     return true;
 }
@@ -132,7 +132,7 @@ static bool move(struct cf_file *c, const struct places *p)
         const size_t last[3] = {times - 1, 0, 0};
         cf_packing(c, p->in[k], p->id[k], &packing);
         if (!cf_did(c, nc_get_var1_double(p->in[k], p->id[k], last, &v))) return false;
-        if (fabs(p->sense[k] * cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
+        if (fabs(p->degrees[k] * cf_unpack(&packing, v) - p->at[k][0]) > MOVED_DEG) return true;
     }
     return false;
 }
