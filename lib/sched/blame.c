@@ -25,7 +25,7 @@ void blame_free(struct blame *b)
 {
     frames_free(&b->frames);
     tasks_free(&b->tasks);
-    free(b->slots);
+    free(b->lost);
 }
 
 void blame_note(struct blame *b, const struct task *t) { pieces_note_id(&b->frames, t); }
@@ -35,14 +35,13 @@ struct blame_frame *blame_frame(const struct blame *b, const struct task *t)
     return frames_extra(&b->frames, frames_find(&b->frames, t->frame));
 }
 
-static void count_lost(struct blame *b, int32_t k, uint32_t frame)
+static void count_lost(struct blame *b, int32_t k)
 {
-    if (k >= b->n_slots) {
-        b->slots = xrealloc(b->slots, (size_t)k + 1, sizeof *b->slots);
-        while (b->n_slots <= k) b->slots[b->n_slots++] = (struct blame_slot){0};
+    if (k >= b->n_lost) {
+        b->lost = xrealloc(b->lost, (size_t)k + 1, sizeof *b->lost);
+        while (b->n_lost <= k) b->lost[b->n_lost++] = 0;
     }
-    b->slots[k].lost++;
-    b->slots[k].frame = frame;
+    b->lost[k]++;
 }
 
 bool blame_add(struct blame *b, const struct task *t, int32_t k)
@@ -51,7 +50,7 @@ bool blame_add(struct blame *b, const struct task *t, int32_t k)
     struct blamed *task = find(b, t);
     if (!task) task = tasks_extra(&b->tasks, tasks_add(&b->tasks, t, 0));
     task->by[task->n++ % BLAME_SLOTS] = k;
-    count_lost(b, k, t->frame);
+    count_lost(b, k);
     if (f->well || ++f->lost < b->most || f->aside) return false;
     f->aside = true;
     f->tried = 0;
@@ -78,21 +77,6 @@ bool blame_is(const struct blame *b, const struct task *t, int32_t k)
     const struct blamed *task = find(b, t);
     for (int32_t i = 0; task && i < task->n && i < BLAME_SLOTS; i++)
         if (task->by[i] == k) return true;
-    return false;
-}
-
-static int32_t lost_of(const struct blame *b, int32_t k)
-{
-    return k < b->n_slots ? b->slots[k].lost : 0;
-}
-
-bool blame_by(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t k)
-{
-    if (!lost_of(b, k)) return false;
-    const struct task *t = &ledger->at[i].task;
-    if (b->slots[k].frame == t->frame && !blame_frame(b, t)->well) return true;
-    for (; i >= 0; i = pieces_parent(ledger, i))
-        if (blame_is(b, &ledger->at[i].task, k)) return true;
     return false;
 }
 
@@ -173,15 +157,17 @@ int64_t blame_wake_us(const struct blame *b, int64_t now)
     return b->due_us > now ? b->due_us : INT64_MAX;
 }
 
-int32_t blame_pick(const struct blame *b, const struct task_table *ledger, int32_t i,
-    const struct slot_set *of, bool (*may)(const void *context, int32_t k), const void *context)
+static int32_t lost_of(const struct blame *b, int32_t k) { return k < b->n_lost ? b->lost[k] : 0; }
+
+int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,
+    bool (*may)(const void *context, int32_t k), const void *context)
 {
     int32_t best = -1;
     bool best_was = true;
     for (int32_t k = -1, n = of->count; n > 0; n--) {
         k = set_after(of, k);
         if (may && !may(context, k)) continue;
-        bool was = blame_by(b, ledger, i, k);
+        bool was = blame_is(b, t, k);
         bool better = was != best_was ? best_was : lost_of(b, k) < lost_of(b, best < 0 ? k : best);
         if (best < 0 || better) best = k, best_was = was;
     }

@@ -16,7 +16,7 @@
 #include "sched/sched.h"
 #include "sched/slot_set.h"
 
-#define BLAME_SLOTS 4         /* slots that are remembered for each task */
+#define BLAME_SLOTS 4 /* slots that are remembered for each task */
 #define BLAME_PAUSE_US 300000 /* without work, after which an open input counts as waiting for us */
 
 /* Payload of a frame. */
@@ -28,18 +28,13 @@ struct blame_frame {
     int32_t tried; /* one of its tasks was tried since: the `lost` that shows that it was lost */
 };
 
-struct blame_slot {
-    int32_t lost;   /* how often it was, while it computed a task */
-    uint32_t frame; /* of the latest one */
-};
-
 struct blame {
     int32_t most;
     struct frames frames;    /* all frames of the input */
     struct task_table tasks; /* that were lost, and are not committed */
-    struct blame_slot *slots;
-    int32_t n_slots; /* entries */
-    int64_t due_us;  /* when what is aside is due, if no work comes; 0: it is not known */
+    int32_t *lost;           /* of each slot: how often it was, while it computed a task */
+    int32_t n_lost;          /* entries */
+    int64_t due_us;          /* when what is aside is due, if no work comes; 0: it is not known */
 };
 void blame_init(struct blame *b, int32_t most);
 void blame_free(struct blame *b);
@@ -54,9 +49,6 @@ bool blame_well(struct blame *b, const struct task *t);
 int32_t blame_count(const struct blame *b, const struct task *t);
 /* Was slot k lost over the task? Of many such slots, the latest are known. */
 bool blame_is(const struct blame *b, const struct task *t, int32_t k);
-/* Was it lost over entry i of a ledger, or a task that it is a piece of; or last over its frame, of
- * which no task was done? */
-bool blame_by(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t k);
 /* The same of entry i of a ledger, and of the tasks that it is a piece of: each may have been lost
  * for this piece. */
 int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_t i);
@@ -94,11 +86,10 @@ void blame_tried(struct blame *b, const struct task *t);
 bool blame_due(struct blame *b, bool quiet, bool ended, int64_t now);
 /* When to ask again; INT64_MAX: after the next event. */
 int64_t blame_wake_us(const struct blame *b, int64_t now);
-/* The slot to try entry i: of these, one that was not lost over it, and then the one lost least.
- * may: NULL, or those that it is true of. -1: none. If it is blame_by, and another slot can come
- * that is not, wait for that: else a host that lacks memory decides for all. */
-int32_t blame_pick(const struct blame *b, const struct task_table *ledger, int32_t i,
-    const struct slot_set *of, bool (*may)(const void *context, int32_t k), const void *context);
+/* The slot to try the task: of these, one that was not lost over it, and then the one lost least.
+ * may: NULL, or those that it is true of. -1: none. */
+int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,
+    bool (*may)(const void *context, int32_t k), const void *context);
 /* Says that the missing pixels of entry i are given up; all: and those of its frame. */
 void blame_abandon(const struct task_table *ledger, int32_t i, bool all, struct sched_actions *out);
 /* The task has left the ledger. */

@@ -84,25 +84,11 @@ static bool is_quiet(const struct deal *d)
     return !d->pool.count && i < 0;
 }
 
-/* Will there be a slot that was not lost over entry i? One that is not up yet, or is not idle. A
- * slot that computes what is not needed may hang. */
-static bool another_comes(const struct deal *d, int32_t i)
-{
-    const bool quiet = is_quiet(d);
-    if (d->n_slots < d->known) return true;
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        if (k < d->known && d->slots[k].state == SLOT_NEW) return true;
-        bool busy = d->slots[k].state == SLOT_UP && !set_has(&d->idle, k);
-        if (!quiet && busy && !blame_by(&d->blame, &d->ledger, i, k)) return true;
-    }
-    return false;
-}
-
-/* False: no slot is idle, or another one is better. */
+/* False: no slot is idle. */
 static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
-    int32_t k = blame_pick(&d->blame, &d->ledger, i, &d->idle, NULL, NULL);
-    if (k < 0 || (blame_by(&d->blame, &d->ledger, i, k) && another_comes(d, i))) return false;
+    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, NULL, NULL);
+    if (k < 0) return false;
     deal_take(d, i);
     deal_give(d, k, i, now, out);
     return true;

@@ -33,12 +33,11 @@
  */
 #include "sched/deal_int.h"
 
-#define COPIES_MOST 3    /* of a pixel at once, except by rule 5 */
-#define PART .5          /* a piece takes this part of the time left */
-#define QUEUED_PART .05  /* the same with SCHED_DEPTH_AUTO: queued pieces cost no round trips */
-#define BLAMED_TIMES 300 /* a task is late for a slot that was lost over it: 60 s and more */
-#define PIECE_TRIPS 2.0  /* round trips, added to its least time: less costs more than it saves */
-#define QUEUED_TRIPS .1  /* the same with SCHED_DEPTH_AUTO */
+#define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
+#define PART .5         /* a piece takes this part of the time left */
+#define QUEUED_PART .05 /* the same with SCHED_DEPTH_AUTO: queued pieces cost no round trips */
+#define PIECE_TRIPS 2.0 /* round trips, added to its least time: less costs more than it saves */
+#define QUEUED_TRIPS .1 /* the same with SCHED_DEPTH_AUTO */
 
 /* Is entry i a task or piece that slot k may be given a copy of? */
 static bool may_have(const struct deal *d, int32_t k, int32_t i)
@@ -52,7 +51,6 @@ static bool may_have(const struct deal *d, int32_t k, int32_t i)
 static bool may_copy(const struct deal *d, int32_t k, int32_t i)
 {
     if (!may_have(d, k, i) || deal_account(d, i)->alone) return false;
-    if (blame_by(&d->blame, &d->ledger, i, k)) return false;
     int32_t copies = 0;
     for (; i >= 0; i = pieces_parent(&d->ledger, i)) copies += deal_account(d, i)->copies;
     return copies < COPIES_MOST;
@@ -93,12 +91,10 @@ static bool is_out_for(
     return false;
 }
 
-/* Rule 5: is entry i late, for slot k? A slot that was lost over it waits much longer: the other
- * one may still read a large grid. */
+/* Rule 5: is entry i late, for slot k? */
 static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
 {
-    const double more = blame_by(&d->blame, &d->ledger, i, k) ? BLAMED_TIMES : 1;
-    return is_out_for(d, i, k, more * PATIENCE_TASK_TIMES, more * PATIENCE_TASK_US, now);
+    return is_out_for(d, i, k, PATIENCE_TASK_TIMES, PATIENCE_TASK_US, now);
 }
 
 /* Rules 3 and 4: has entry i been out long enough to be copied for slot k? */

@@ -57,23 +57,10 @@ static bool has_nothing(const void *context, int32_t k)
     return !h->nodes[k].held.count;
 }
 
-/* Will there be a node that was not lost over entry i? As in deal_aside.c. */
-static bool another_comes(const struct hub *h, int32_t i)
-{
-    const bool quiet = is_quiet(h);
-    for (int32_t k = 0; k < h->n_nodes; k++) {
-        if (h->nodes[k].state == NODE_NEW) return true;
-        bool busy = hub_is_up(h, k) && h->nodes[k].held.count;
-        if (!quiet && busy && !blame_by(&h->blame, &h->ledger, i, k)) return true;
-    }
-    return false;
-}
-
-/* The node to try entry i; -1: none, or another one is better. */
+/* The node to try entry i; -1: none. */
 static int32_t node_for(const struct hub *h, int32_t i)
 {
-    int32_t k = blame_pick(&h->blame, &h->ledger, i, &h->up, has_nothing, h);
-    return k >= 0 && blame_by(&h->blame, &h->ledger, i, k) && another_comes(h, i) ? -1 : k;
+    return blame_pick(&h->blame, task_of(h, i), &h->up, has_nothing, h);
 }
 
 /* False: no node is there. */

@@ -74,7 +74,7 @@ static void check_abandon(struct world *w, const struct sched_action *a)
     if (blamed <= most) sim_fail(w, "a task was given up too early", a->task.id, blamed);
     /* A half was tried twice more; not a pixel alone, which other losses may hit by chance. */
     const bool half = a->task.id >= (uint32_t)w->plan->tasks && lattice_count(&a->task.at) > 1;
-    if (!a->all && half && w->n_poison && !sim_poison_in(w, 0, &a->task) && blamed < most + 2)
+    if (!a->all && half && w->n_poison && !sim_poison_in(w, &a->task) && blamed < most + 2)
         sim_fail(w, "a good task was given up", a->task.id, blamed);
     const uint64_t done = w->sent.done;
     for (uint64_t i = 0, n = lattice_count(&a->task.at); i < n; i++)

@@ -1,11 +1,10 @@
 /* Pixels that cost the slots that compute them. */
 #include "sim/world.h"
 
-const struct poison *sim_poison_in(const struct world *w, int32_t k, const struct task *t)
+const struct poison *sim_poison_in(const struct world *w, const struct task *t)
 {
     for (size_t i = 0; i < w->n_poison; i++) {
         const struct poison *p = &w->poison[i];
-        if (p->below && k >= p->below) continue;
         const struct lattice one = {p->x, p->y, 1, 1, t->at.sx, t->at.sy};
         if (lattice_offset(&t->at, w->frame_w, &one) >= 0) return p;
     }
@@ -18,15 +17,12 @@ void sim_plan_poison(struct world *w)
     w->poison = xcalloc(p->n_faults + (size_t)p->poison + 1, sizeof *w->poison);
     for (size_t i = 0; i < p->n_faults; i++)
         if (p->faults[i].kind == SIM_POISON)
-            w->poison[w->n_poison++] = (struct poison){.x = p->faults[i].x,
-                .y = p->faults[i].y,
-                .said = p->faults[i].power > 0,
-                .below = p->faults[i].slot};
+            w->poison[w->n_poison++] =
+                (struct poison){p->faults[i].x, p->faults[i].y, p->faults[i].power > 0};
     for (int32_t i = 0; i < p->poison && p->tasks; i++) {
         const double where = rng_unit(p->seed, 5000 + 2 * (uint64_t)i);
         const int64_t px = (int64_t)(where * p->tasks * p->rows * w->frame_w);
-        w->poison[w->n_poison++] = (struct poison){.x = (uint32_t)(px % w->frame_w),
-            .y = (uint32_t)(px / w->frame_w),
-            .said = rng_unit(p->seed, 5001 + 2 * (uint64_t)i) < .5};
+        w->poison[w->n_poison++] = (struct poison){(uint32_t)(px % w->frame_w),
+            (uint32_t)(px / w->frame_w), rng_unit(p->seed, 5001 + 2 * (uint64_t)i) < .5};
     }
 }

@@ -58,7 +58,7 @@ enum sim_fault_kind {
 /* A fault that is not random. */
 struct sim_fault {
     enum sim_fault_kind kind;
-    int32_t slot;    /* POISON: if not 0, only the slots below it */
+    int32_t slot;
     int64_t at_us;   /* time; or, if < 0: */
     int64_t commits; /* number of committed tasks */
     double power;    /* SLOW: factor of the slot's power; POISON: 1: it says so and lives */

@@ -107,7 +107,7 @@ static void computed(struct world *w, int32_t k)
     sim_clock_end(&s->clock, w->now_us);
     if (s->stalled) return; /* silent for ever */
     struct task t = s->queue.at[s->queue.first++];
-    const struct poison *poison = sim_poison_in(w, k, &t);
+    const struct poison *poison = sim_poison_in(w, &t);
     if (poison) {
         poisoned(w, k, &t, poison->said);
         return;

@@ -19,8 +19,7 @@
 /* A pixel that costs slots. */
 struct poison {
     uint32_t x, y;
-    bool said;     /* the slot says that it cannot compute it, and goes on; else it dies */
-    int32_t below; /* not 0: only these slots */
+    bool said; /* the slot says that it cannot compute it, and goes on; else it dies */
 };
 
 /* Events for a stopped process wait here. */
@@ -210,8 +209,8 @@ void sim_node_wake(struct world *w, int32_t k);
 
 /* ---- poison.c -------------------------------------------------------------------------------- */
 
-/* The first pixel of the task that costs slot k, or NULL. */
-const struct poison *sim_poison_in(const struct world *w, int32_t k, const struct task *t);
+/* The first pixel of the task that costs slots, or NULL. */
+const struct poison *sim_poison_in(const struct world *w, const struct task *t);
 /* Chooses pixels for that. */
 void sim_plan_poison(struct world *w);
 

@@ -179,26 +179,6 @@ static void slots_that_are_lost_for_other_reasons_give_nothing_up(void **state)
     }
 }
 
-/* Some hosts lack the memory for a task or for a frame, others have it. */
-static void a_slot_that_can_compute_it_gets_it(void **state)
-{
-    (void)state;
-    for (int i = 0; i < 2; i++)
-        for (int endgame = 0; endgame < 2; endgame++)
-            for (int says = 0; says < 2; says++)
-                for (uint32_t bad = 1; bad <= TASKS; bad += 8) {
-                    struct sim_plan p = plan_of(5, endgame);
-                    for (uint32_t id = 0; id < bad; id++) poison(&p, id, id);
-                    for (size_t f = 0; f < p.n_faults; f++)
-                        faults[f].slot = 4, faults[f].power = says;
-                    struct sim_result r = run(policies[i], p);
-                    if (r.abandoned)
-                        print_error("%s, endgame %d, says so %d, %u bad tasks: %lld pixels\n",
-                            policies[i]->name, endgame, says, bad, (long long)r.abandoned);
-                    assert_int_equal(r.abandoned, 0);
-                }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -211,7 +191,6 @@ int main(void)
         cmocka_unit_test(an_option_says_how_many_slots_a_task_may_cost),
         cmocka_unit_test(a_bad_task_does_not_hold_up_later_frames),
         cmocka_unit_test(slots_that_are_lost_for_other_reasons_give_nothing_up),
-        cmocka_unit_test(a_slot_that_can_compute_it_gets_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
