@@ -149,8 +149,6 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     read_extensions(m, f, extension);
     rewind(f);
     m->lost_colours |= mesh_off_paints(f);
-    rewind(f);
-    m->odd_lines = mesh_odd_lines(f);
     fclose(f);
     if (*extension)
         return err_set(
@@ -180,7 +178,7 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
-    char *mended = m->odd_lines ? mesh_lines_mended(data, &n) : NULL;
+    char *mended = mesh_lines_mended(data, &n);
     if (mended) data = (const unsigned char *)mended;
     m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
     free(mended);

@@ -138,7 +138,8 @@ static bool ends_header(const struct lines *l, const char *line)
     return l->ply && strncmp(line, "end_header", 10) == 0;
 }
 
-bool mesh_odd_lines(FILE *f)
+/* Has a file lines that are mended? */
+static bool has_odd(FILE *f)
 {
     char *line = NULL;
     size_t room = 0;
@@ -195,11 +196,16 @@ static void copy_mended(FILE *from, FILE *to)
 char *mesh_lines_mended(const unsigned char *data, size_t *n)
 {
     char *copy = NULL;
-    FILE *from = fmemopen((void *)(uintptr_t)data, *n, "rb"), *to = open_memstream(&copy, n);
-    if (!from || !to) die(ST_SYSTEM, "memory:");
-    copy_mended(from, to);
-    fclose(from);
-    if (fclose(to) != 0) die(ST_SYSTEM, "memory:");
+    FILE *from = *n ? fmemopen((void *)(uintptr_t)data, *n, "rb") : NULL;
+    if (*n && !from) die(ST_SYSTEM, "memory:");
+    if (from && has_odd(from)) {
+        rewind(from);
+        FILE *to = open_memstream(&copy, n);
+        if (!to) die(ST_SYSTEM, "memory:");
+        copy_mended(from, to);
+        if (fclose(to) != 0) die(ST_SYSTEM, "memory:");
+    }
+    if (from) fclose(from);
     return copy;
 }
 
@@ -261,7 +267,7 @@ static struct aiFile *open_source(struct aiFileIO *io, const char *path, const c
     FILE *f = strchr(mode, 'w') ? NULL : open_named(path);
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
-    const bool odd = mesh_odd_lines(f);
+    const bool odd = has_odd(f);
     rewind(f);
     if (odd) f = mended_file(f);
     const long end = fseek(f, 0, SEEK_END) == 0 ? ftell(f) : 0;

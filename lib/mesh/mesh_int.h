@@ -141,7 +141,6 @@ struct mesh {
     struct mesh_loss loss[LOSSES + 1];
     char turned[128];     /* what mesh_turned returns */
     char first_lost[512]; /* LOSS_PICTURES with the reason of the first */
-    bool odd_lines;       /* of an OBJ or OFF, which libassimp reads wrong */
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
     unsigned lost_materials; /* materials that are in no such file */
@@ -181,9 +180,8 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
 /* Has an OFF faces with a colour? */
 bool mesh_off_paints(FILE *f);
-/* Has an OBJ or OFF lines that libassimp reads wrong? mark.c says which. */
-bool mesh_odd_lines(FILE *f);
-/* A copy with such lines mended, of *n bytes; the caller frees it. */
+/* A copy of *n bytes with lines mended that libassimp reads wrong, which the caller frees; NULL:
+ * there are none. mark.c says which. */
 char *mesh_lines_mended(const unsigned char *data, size_t *n);
 /* aiImportFile, which passes over such a mark and mends such lines, also of the files that this one
  * names. Those may be there in another case. */
