@@ -92,7 +92,7 @@ log intake
 pipe blob down outlet silence stdout_private stream up
 proc child cores_available groups signals status want_descriptors
 scene corners nff points pov reader token tokens
-sched blame cost deal gdc hub node pace pieces policy set tournament
+sched blame cost deal gdc hub node pace pieces policy refuse set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh crossings items light media pending sah slabs tracer wave

@@ -85,6 +85,18 @@ is 'a slot loses only the tasks that it cannot do' \
 	"$(cut -d ' ' -f 1-3 events | sed 's/ host.*//; s/said=grid.*/said=grid/' | LC_ALL=C command sort | uniq -c |
 		tr -d ' ' | tr '\n' ,)" \
 	'4failwhy=out-of-memorysaid=grid,1upw=0,1upw=1,'
+# One host has the memory: it computes what the other ones refuse, also if it is the last to come.
+printf '%s slots=1 mem=150M via="sh -c %%c"\n' a b >mixed
+printf 'large slots=1 via="sh -c %%c"\n' >>mixed
+for method in 'deal -q auto -e fan' 'ringctl -e fan'; do
+	node='' && [ "${method#ringctl}" = "$method" ] || node='ringctl -n'
+	# shellcheck disable=SC2086  # words
+	run sh -c "$method -S mixed $node sh -c '[ \"\$(ulimit -v)\" != unlimited ] || sleep 1; exec vcworker - -' \
+		<film.task | gather -o mixed-%d.pfm"
+	is "$method: all is computed, and nothing given up" "$status $(echo "$err" | grep -c 'given up')" '0 0'
+	ok "$method: the picture is that without a limit" cmp mixed-1.pfm whole-1.pfm
+	rm -f mixed-*.pfm
+done
 run deal sh -c "ulimit -v $kib; exec vcworker - -" <film.task
 like 'deal around a worker alone: a message' "$err" \
 	'^deal: frame 1: given up, .* [(]out-of-memory[)], it says: grid: out of memory: needs about'

@@ -81,5 +81,6 @@ void drive_abandon(struct driver *d, const struct sched_action *a)
     l->some = true;
     l->all = a->all;
     l->frame = t->frame;
-    wire_failed(&d->out.queue.control, t, a->all ? "frame" : "task", text, NULL);
+    const char *word = a->refused ? WIRE_REFUSED : a->all ? "frame" : "task";
+    wire_failed(&d->out.queue.control, t, word, text, NULL);
 }

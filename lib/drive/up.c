@@ -104,6 +104,7 @@ static void take_up(struct driver *d, const struct record *r)
         break;
     case REC_FAIL:
         e.kind = SCHED_FAIL;
+        e.refused = rec_is(r, "why", WIRE_REFUSED);
         drive_reason(d, r);
         if (d->node) wire_forward(&d->out.queue.control, r, NULL, NULL);
         break;

@@ -100,6 +100,15 @@ bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i
     return alone || aside || blame_sum(b, ledger, i) >= b->most;
 }
 
+/* Entry i is a half that was not tried: is the other one to be tried, or being tried, first? */
+static bool is_second(const struct blame *b, const struct task_table *ledger, int32_t i)
+{
+    int32_t parent = pieces_parent(ledger, i);
+    if (parent < 0) return false;
+    int32_t j = pieces_at(ledger, parent)->first;
+    return j != i && !blame_count(b, &ledger->at[j].task);
+}
+
 /* The other pieces of the parent of entry i, which is a half and was lost. */
 static enum blame_step by_others(const struct blame *b, const struct task_table *ledger, int32_t i)
 {
@@ -133,7 +142,9 @@ enum blame_step blame_step(const struct blame *b, const struct task_table *ledge
         return f->tried && f->lost >= f->tried ? BLAME_ABANDON_FRAME : BLAME_GIVE_FRAME;
     }
     bool may_cut = ended && lattice_count(&at) > 1 && pieces_id_left(&b->frames, t);
-    if (alone ? blame_count(b, t) < alone : blame_sum(b, ledger, i) < b->most) return BLAME_GIVE;
+    if (alone && blame_count(b, t) < alone)
+        return is_second(b, ledger, i) ? BLAME_WAIT : BLAME_GIVE;
+    if (!alone && blame_sum(b, ledger, i) < b->most) return BLAME_GIVE;
     if (!alone) return may_cut ? BLAME_HALVE : BLAME_GIVE_ALONE;
     enum blame_step step = by_others(b, ledger, i);
     return step == BLAME_HALVE && !may_cut ? BLAME_ABANDON : step;
@@ -149,11 +160,12 @@ bool blame_due(struct blame *b, bool quiet, bool ended, int64_t now)
 {
     if (!quiet) b->due_us = 0;
     else if (!b->due_us) b->due_us = now + BLAME_PAUSE_US;
-    return quiet && (ended || now >= b->due_us);
+    return quiet && now >= b->calm_us && (ended || now >= b->due_us);
 }
 
 int64_t blame_wake_us(const struct blame *b, int64_t now)
 {
+    if (b->calm_us > now) return b->calm_us;
     return b->due_us > now ? b->due_us : INT64_MAX;
 }
 

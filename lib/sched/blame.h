@@ -16,7 +16,8 @@
 #include "sched/sched.h"
 #include "sched/slot_set.h"
 
-#define BLAME_SLOTS 4 /* slots that are remembered for each task */
+#define BLAME_SLOTS 4         /* slots that are remembered for each task */
+#define BLAME_CALM_US 100000  /* from the loss of a slot to that of the last one of its worker */
 #define BLAME_PAUSE_US 300000 /* without work, after which an open input counts as waiting for us */
 
 /* Payload of a frame. */
@@ -34,6 +35,7 @@ struct blame {
     struct task_table tasks; /* that were lost, and are not committed */
     int32_t *lost;           /* of each slot: how often it was, while it computed a task */
     int32_t n_lost;          /* entries */
+    int64_t calm_us;         /* when all that was lost with the latest slot is known to be lost */
     int64_t due_us;          /* when what is aside is due, if no work comes; 0: it is not known */
 };
 void blame_init(struct blame *b, int32_t most);
@@ -43,6 +45,8 @@ void blame_note(struct blame *b, const struct task *t);
 struct blame_frame *blame_frame(const struct blame *b, const struct task *t);
 /* Slot k was lost over the task. True if its frame is to be put aside now. */
 bool blame_add(struct blame *b, const struct task *t, int32_t k);
+/* A slot was lost now, perhaps with others. */
+static inline void blame_gone(struct blame *b, int64_t now) { b->calm_us = now + BLAME_CALM_US; }
 /* A task of the frame was done. True if the frame was put aside, and is no longer. */
 bool blame_well(struct blame *b, const struct task *t);
 /* Lost attempts of the task. */
@@ -64,9 +68,10 @@ bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i
  * treated as its last task.
  *
  * A task is cut into halves. Before the end of the input the sender of the tasks may know no
- * pieces: then it is tried as it is. If one half is lost, it is cut in its turn; so all of
- * the task is computed but the smallest part that is bad. If both are lost, the task is given up:
- * to search in both would cost a slot for each bad pixel.
+ * pieces: then it is tried as it is. One half is tried after the other: slots may die together, as
+ * those of one worker do. If one half is lost, it is cut in its turn; so all of the task is
+ * computed but the smallest part that is bad. If both are lost, the task is given up: to search in
+ * both would cost a slot for each bad pixel.
  */
 enum blame_step {
     BLAME_GIVE_FRAME,    /* give it to a slot, for its frame: then call blame_tried */
@@ -74,7 +79,7 @@ enum blame_step {
     BLAME_GIVE,          /* give it to a slot */
     BLAME_GIVE_ALONE,    /* the same, for the last time */
     BLAME_HALVE,         /* cut it */
-    BLAME_WAIT,          /* its other half was not tried yet */
+    BLAME_WAIT,          /* its other half comes first */
     BLAME_ABANDON,       /* give it up */
     BLAME_ABANDON_PARENT /* give up the task that it is a half of */
 };

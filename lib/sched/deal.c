@@ -52,6 +52,7 @@ static void deal_destroy(void *state)
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
     blame_free(&d->blame);
+    refuse_free(&d->refusals);
     cost_free(&d->costs);
     deal_close_room(d);
     free(d->slots);
@@ -84,11 +85,24 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
     deal_give(d, k, i, now, out);
 }
 
+/* Slots that refused all of the pool may find something in it. */
+static void feed(struct deal *d)
+{
+    d->fed = false;
+    for (int32_t k = 0; d->refusals.n && k < d->n_slots; k++) {
+        bool was = d->slots[k].starved;
+        d->slots[k].starved = false;
+        if (was) deal_mark(d, k);
+    }
+}
+
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k, last = -1, next = -1;
+    if (d->fed) feed(d);
     while (d->pool.count && (k = deal_pick_hungriest(d)) >= 0) {
-        int32_t i = k == last && next >= 0 ? next : deal_aside_other(d, k);
+        bool follows = k == last && next >= 0 && !deal_refuses(d, k, next);
+        int32_t i = follows ? next : deal_aside_other(d, k);
         if (i < 0) continue;
         next = deal_pick_apart(d, last = k, i);
         hand(d, k, i, now, out);
@@ -133,6 +147,7 @@ static void take_gone(struct deal *d, int32_t k, struct sched_actions *out)
     d->drains -= s->state == SLOT_DRAINS;
     s->state = SLOT_GONE;
     d->stale_us = 0;
+    deal_accepts(d, k);
     deal_mark(d, k);
 }
 
@@ -213,7 +228,7 @@ static void take_fail(struct deal *d, const struct sched_event *e, struct sched_
 {
     const struct slot *s = e->slot < d->n_slots ? &d->slots[e->slot] : NULL;
     int32_t c = s ? tasks_find(&s->has, e->task.frame, e->task.id) : -1;
-    if (c >= 0) deal_aside_fail(d, e->slot, c, out); /* whatever it said before */
+    if (c >= 0) deal_aside_fail(d, e->slot, c, e->refused, out); /* whatever it said before */
 }
 
 /* Slot k has sent pixels: it may owe fewer. */
@@ -266,10 +281,10 @@ static void deal_step(
     case SCHED_RING:
     case SCHED_WAKE: break; /* a task is late, or a slot needs one */
     }
+    deal_aside_settle(d);
     hand_out(d, now, out);
     deal_let_go(d, out); /* before copies are given of what it asks for */
     deal_aside_try(d, now, out);
-    d->late_us = blame_wake_us(&d->blame, now);
     hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
         ask_flush(d, out);

@@ -16,14 +16,14 @@ static void move(struct deal *d, int32_t i, enum place to)
     deal_put(d, i, to, -1);
 }
 
-/* Moves the tasks of a frame that are in the pool aside; or back, those that are not suspect. */
-static void move_frame(struct deal *d, uint32_t frame, enum place to)
+/* Moves the bad tasks of the pool aside; or those back that are not, of a frame or a generation. */
+static void move_all(struct deal *d, enum place to, const uint32_t *frame, uint32_t generation)
 {
     struct task_list *from = to == ASIDE ? &d->pool : &d->aside;
     for (int32_t i = from->head, next; i >= 0; i = next) {
         next = d->ledger.at[i].next;
-        bool moves = to == ASIDE || !blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
-        if (task_of(d, i)->frame == frame && moves) move(d, i, to);
+        bool is = frame ? task_of(d, i)->frame == *frame : task_of(d, i)->generation == generation;
+        if (is && deal_bad(d, i) == (to == ASIDE)) move(d, i, to);
     }
 }
 
@@ -36,13 +36,14 @@ static void blame(struct deal *d, int32_t k, const struct task *t, struct sched_
     bool its = a && (a->place == OUT || (a->place == COMPUTED && a->owner == k));
     if (!its) return; /* another slot has computed it */
     sched_act(out, SCHED_BLAME, k, t);
-    if (blame_add(&d->blame, t, k)) move_frame(d, t->frame, ASIDE);
+    if (blame_add(&d->blame, t, k)) move_all(d, ASIDE, &t->frame, 0);
 }
 
 void deal_aside_blame(struct deal *d, int32_t k, struct sched_actions *out)
 {
     const struct slot *s = &d->slots[k];
     int32_t held = s->held.head, shared = s->shared.head;
+    blame_gone(&d->blame, d->now_us);
     for (int32_t n = s->width; n > 0 && (held >= 0 || shared >= 0); n--) {
         bool first = shared < 0 ||
                      (held >= 0 && deal_copy(s, held)->given_us <= deal_copy(s, shared)->given_us);
@@ -52,25 +53,49 @@ void deal_aside_blame(struct deal *d, int32_t k, struct sched_actions *out)
     }
 }
 
-void deal_aside_fail(struct deal *d, int32_t k, int32_t c, struct sched_actions *out)
+void deal_aside_fail(struct deal *d, int32_t k, int32_t c, bool refused, struct sched_actions *out)
 {
-    blame(d, k, &d->slots[k].has.at[c].task, out);
+    const struct task *t = &d->slots[k].has.at[c].task;
+    if (!refused) blame(d, k, t, out);
+    else if (d->slots[k].state == SLOT_UP) {
+        sched_act(out, SCHED_BLAME, k, t);
+        out->at[out->n - 1].refused = true;
+        refuse_add(&d->refusals, t->generation, k);
+    }
     d->slots[k].stalled = false;
     deal_lose_copy(d, k, c);
 }
 
 void deal_aside_well(struct deal *d, const struct task *t)
 {
-    if (blame_well(&d->blame, t)) move_frame(d, t->frame, IN_POOL);
+    if (blame_well(&d->blame, t)) move_all(d, IN_POOL, &t->frame, 0);
+}
+
+void deal_aside_settle(struct deal *d)
+{
+    uint32_t generation;
+    while (refuse_settle(&d->refusals, d->up, d->now_us, &generation))
+        move_all(d, refuse_all(&d->refusals, generation) ? ASIDE : IN_POOL, NULL, generation);
+}
+
+/* From entry i of the pool on, the first that slot k does not refuse; -1: none. */
+static int32_t accepted(const struct deal *d, int32_t k, int32_t i)
+{
+    while (i >= 0 && deal_refuses(d, k, i)) i = d->ledger.at[i].next;
+    return i;
 }
 
 int32_t deal_aside_other(struct deal *d, int32_t k)
 {
-    int32_t i = d->pool.head;
-    if (!d->blame.tasks.count || d->up < 2) return i;
-    for (int32_t n = LOOK_MOST; n > 0 && i >= 0; n--, i = d->ledger.at[i].next)
+    int32_t first = accepted(d, k, d->pool.head), i = first;
+    if (i < 0) {
+        d->slots[k].starved = true;
+        deal_mark(d, k);
+    }
+    if (i < 0 || !d->blame.tasks.count || d->up < 2) return i;
+    for (int32_t n = LOOK_MOST; n > 0 && i >= 0; n--, i = accepted(d, k, d->ledger.at[i].next))
         if (!blame_is(&d->blame, task_of(d, i), k)) return i;
-    move(d, d->pool.head, ASIDE);
+    move(d, first, ASIDE);
     return -1;
 }
 
@@ -84,10 +109,21 @@ static bool is_quiet(const struct deal *d)
     return !d->pool.count && i < 0;
 }
 
+struct choice {
+    const struct deal *d;
+    int32_t i;
+};
+static bool accepts(const void *context, int32_t k)
+{
+    const struct choice *c = context;
+    return !deal_refuses(c->d, k, c->i);
+}
+
 /* False: no slot is idle. */
 static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
-    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, NULL, NULL);
+    const struct choice c = {d, i};
+    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, accepts, &c);
     if (k < 0) return false;
     deal_take(d, i);
     deal_give(d, k, i, now, out);
@@ -97,8 +133,31 @@ static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *o
 static void abandon(struct deal *d, int32_t i, bool all, struct sched_actions *out)
 {
     blame_abandon(&d->ledger, i, all, out);
+    out->at[out->n - 1].refused = refuse_all(&d->refusals, task_of(d, i)->generation);
     deal_commit(d, i, out);
 }
+
+/* The time until which a slot may come that is not up. */
+static int64_t returns_us(const struct deal *d, uint32_t generation)
+{
+    int64_t until_us = d->n_slots < d->known || !d->known ? INT64_MAX : 0;
+    for (int32_t k = 0; k < d->n_slots && until_us < INT64_MAX; k++) {
+        const struct slot *s = &d->slots[k];
+        if (s->state == SLOT_NEW && k < d->known) until_us = INT64_MAX;
+        if (s->state == SLOT_GONE && s->width) until_us = refuse_until_us(&d->refusals, generation);
+    }
+    return until_us;
+}
+
+/* All slots that are up refuse entry i: gives its frame up, if no other may come. */
+static void try_refused(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
+{
+    int64_t until_us = d->up ? returns_us(d, task_of(d, i)->generation) : INT64_MAX;
+    if (now >= until_us) abandon(d, i, true, out);
+    else if (until_us < d->late_us) d->late_us = until_us;
+}
+
+static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actions *out);
 
 /* Cuts entry i into halves. */
 static void halve(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
@@ -110,13 +169,17 @@ static void halve(struct deal *d, int32_t i, int64_t now, struct sched_actions *
     for (int h = 1; h >= 0; h--) { /* the one that was cut off is the first */
         deal_account(d, half[h])->alone = 1;
         move(d, half[h], ASIDE);
-        give(d, half[h], now, out);
     }
+    for (int h = 1; h >= 0; h--) try_entry(d, half[h], now, out);
 }
 
 static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
     int32_t *alone = &deal_account(d, i)->alone;
+    if (refuse_all(&d->refusals, task_of(d, i)->generation)) {
+        try_refused(d, i, now, out);
+        return;
+    }
     switch (blame_step(&d->blame, &d->ledger, &d->aside, i, *alone, d->ended)) {
     case BLAME_GIVE_FRAME:
         if (is_quiet(d) && give(d, i, now, out)) blame_tried(&d->blame, task_of(d, i));
@@ -138,11 +201,14 @@ static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actio
 void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
 {
     bool quiet = d->aside.count && is_quiet(d);
-    if (!blame_due(&d->blame, quiet, d->ended || d->flush, now)) return;
-    for (int32_t n = d->aside.count; n > 0 && d->aside.count; n--) {
+    d->late_us = INT64_MAX;
+    bool due = blame_due(&d->blame, quiet, d->ended || d->flush, now);
+    for (int32_t n = due ? d->aside.count : 0; n > 0 && d->aside.count; n--) {
         int32_t i = d->aside.head;
         list_remove(&d->ledger, &d->aside, i);
         list_push_back(&d->ledger, &d->aside, i);
         try_entry(d, i, now, out);
     }
+    int64_t wake_us = blame_wake_us(&d->blame, now);
+    if (wake_us < d->late_us) d->late_us = wake_us;
 }

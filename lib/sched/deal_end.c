@@ -43,7 +43,8 @@
 static bool may_have(const struct deal *d, int32_t k, int32_t i)
 {
     const struct account *a = deal_account(d, i);
-    return a->place == OUT && !pieces_exist(&d->ledger, i) && !deal_owes(d, k, i);
+    return a->place == OUT && !pieces_exist(&d->ledger, i) && !deal_owes(d, k, i) &&
+           !deal_refuses(d, k, i);
 }
 
 /* The same, and is it being computed by fewer than COPIES_MOST slots, counting copies of the tasks
@@ -69,6 +70,15 @@ static int32_t in_store(const struct deal *d, int32_t k)
 
 /* The lowest member. */
 static int32_t lowest(const struct slot_set *s) { return set_after(s, -1); }
+
+/* The lowest that refuses nothing, if there is one. */
+static int32_t lowest_willing(const struct deal *d, const struct slot_set *s)
+{
+    int32_t k = lowest(s);
+    for (int32_t n = d->refusals.n ? s->count : 0; n > 0; n--, k = set_after(s, k))
+        if (!refuse_any(&d->refusals, k)) break;
+    return k;
+}
 
 /* Rule 4: a computed task whose pixels are missing. */
 static int32_t withheld(const struct deal *d)
@@ -131,13 +141,16 @@ static int32_t other_for(struct deal *d, int32_t k, int64_t now)
 int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    if (!revoke || (*k = lowest(&d->idle)) < 0) return -1;
-    int32_t i = other_for(d, *k, now), free = lowest(&d->free);
+    if (!revoke || (*k = lowest_willing(d, &d->idle)) < 0) return -1;
+    int32_t i = other_for(d, *k, now), free = lowest_willing(d, &d->free);
     if (i >= 0 || free < 0) return i;
     if (free != *k) i = other_for(d, *k = free, now);
     if (i >= 0 || !d->p.endgame || !(d->ended || d->flush)) return i;
     i = withheld(d);
-    return i >= 0 && (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now)) ? i : -1;
+    return i >= 0 && !deal_refuses(d, *k, i) &&
+                   (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now))
+               ? i
+               : -1;
 }
 
 /* Rule 1: the pixels of a piece of entry i for slot k. */

@@ -17,6 +17,7 @@
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
+#include "sched/refuse.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
 
@@ -39,6 +40,7 @@ struct slot {
     int64_t scaled_us;                   /* when its power changed */
     bool stalled;                        /* it was overdue, and has done no task since */
     bool asked;                          /* asked to flush since it was last given work */
+    bool starved;                        /* it refuses all that is in the pool */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it, on these lists: */
     struct task_list held;               /* to compute; no other slot has them */
@@ -85,7 +87,10 @@ struct deal {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool, out, aside;
+    int32_t pool_of[GENERATIONS]; /* entries of the pool by generation, modulo GENERATIONS */
     struct blame blame;
+    struct refusals refusals;
+    bool fed; /* tasks of a generation have come to the pool that had none of it */
     int64_t now_us;
     struct costs costs;
     double power;     /* sum of the powers of the slots that are up */
@@ -124,6 +129,19 @@ static inline bool deal_adapts(const struct deal *d) { return d->p.depth == SCHE
 /* Do queues follow expected times? */
 static inline bool deal_timed(const struct deal *d) { return deal_adapts(d) && d->p.endgame; }
 
+/* Does slot k refuse entry i? */
+static inline bool deal_refuses(const struct deal *d, int32_t k, int32_t i)
+{
+    return d->refusals.n && refuse_is(&d->refusals, d->ledger.at[i].task.generation, k);
+}
+
+/* Slot k is not up any more, and refuses nothing. */
+static inline void deal_accepts(struct deal *d, int32_t k)
+{
+    refuse_end(&d->refusals, k);
+    d->slots[k].starved = false;
+}
+
 /* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
 /* Adds a task of the input to the ledger, on no list. */
@@ -136,7 +154,9 @@ void deal_take(struct deal *d, int32_t i);
 void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner);
 /* Puts entry i, on no list, at the head of the pool. */
 void deal_put_first(struct deal *d, int32_t i);
-/* Puts entry i, on no list, at the end of the pool; or aside, if it is or its frame is. */
+/* Is entry i, or its frame, to be aside? */
+bool deal_bad(const struct deal *d, int32_t i);
+/* Puts entry i, on no list, at the end of the pool; or aside, if it is bad. */
 void deal_put_last(struct deal *d, int32_t i);
 /* The last pixels of entry i were passed on: removes it. The last piece also commits the whole. */
 void deal_commit(struct deal *d, int32_t i, struct sched_actions *out);
@@ -222,14 +242,18 @@ double deal_end_us(struct deal *d);
 
 /* Slot k is lost: blames the tasks that it computed. */
 void deal_aside_blame(struct deal *d, int32_t k, struct sched_actions *out);
-/* Slot k cannot compute its copy c: blames the task, and takes the copy away. */
-void deal_aside_fail(struct deal *d, int32_t k, int32_t c, struct sched_actions *out);
+/* Slot k cannot compute its copy c: blames the task, unless the slot refuses the state, and takes
+ * the copy away. */
+void deal_aside_fail(struct deal *d, int32_t k, int32_t c, bool refused, struct sched_actions *out);
+/* After refusals, or other slots that are up: puts tasks aside that all refuse, or back. */
+void deal_aside_settle(struct deal *d);
 /* A task of the frame was done: if the frame was put aside, its tasks go back to the pool. */
 void deal_aside_well(struct deal *d, const struct task *t);
-/* The entry to give to slot k instead of the first one of the pool, over which it may have been
- * lost; -1: none. */
+/* The entry to give to slot k instead of the first one of the pool, which it may refuse, or over
+ * which it may have been lost; -1: none. */
 int32_t deal_aside_other(struct deal *d, int32_t k);
-/* If nothing else is to be done, tries what was put aside, or gives it up. */
+/* If nothing else is to be done, tries what was put aside, or gives it up. late_us is then the time
+ * to try again. */
 void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out);
 
 /* ---- deal_leave.c ---------------------------------------------------------------------------- */

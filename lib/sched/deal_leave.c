@@ -15,6 +15,7 @@ void deal_drain(struct deal *d, int32_t k)
     s->state = SLOT_DRAINS;
     d->up--;
     d->drains++;
+    deal_accepts(d, k);
     deal_lose(d, k, &s->shared);
     deal_lose_after(d, k, &s->held, s->width);
     deal_mark(d, k);
@@ -23,6 +24,7 @@ void deal_drain(struct deal *d, int32_t k)
 static void leave(struct deal *d, int32_t k, struct sched_actions *out)
 {
     d->slots[k].state = SLOT_GONE;
+    d->slots[k].width = 0; /* it will not come back */
     d->drains--;
     deal_mark(d, k);
     sched_act(out, SCHED_LEAVE, k, NULL);

@@ -10,6 +10,7 @@ int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w)
     deal_account(d, i)->piece = PIECE_OF_NONE;
     deal_open_account(d, i, 0);
     blame_note(&d->blame, t);
+    refuse_begin(&d->refusals, t->generation);
     return i;
 }
 
@@ -38,7 +39,10 @@ static struct task_list *list_of(struct deal *d, int32_t i)
 static void count_pool(struct deal *d, int32_t i, double sign)
 {
     struct account *a = deal_account(d, i);
+    int32_t *n = &d->pool_of[d->ledger.at[i].task.generation % GENERATIONS];
     bool whole = a->piece.parent < 0;
+    if (sign > 0 && !*n) d->fed = true;
+    *n += sign > 0 ? 1 : -1;
     if (sign > 0) a->work = whole ? tasks_px(&d->ledger, i) : deal_work(d, i);
     *(whole ? &d->pool_px : &d->pool_work) += sign * a->work;
 }
@@ -81,10 +85,15 @@ void deal_put_first(struct deal *d, int32_t i)
     count_pool(d, i, 1);
 }
 
+bool deal_bad(const struct deal *d, int32_t i)
+{
+    return refuse_all(&d->refusals, d->ledger.at[i].task.generation) ||
+           blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
+}
+
 void deal_put_last(struct deal *d, int32_t i)
 {
-    bool bad = blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
-    deal_put(d, i, bad ? ASIDE : IN_POOL, -1);
+    deal_put(d, i, deal_bad(d, i) ? ASIDE : IN_POOL, -1);
 }
 
 /* The owner of entry i, which is on no list, is gone. The entry is the next to be given, or the
@@ -97,7 +106,7 @@ static void put_back(struct deal *d, int32_t i)
     bool bad = a->alone || lost >= d->blame.most, cut = pieces_exist(&d->ledger, i);
     if (cut || (a->copies && !bad)) deal_put(d, i, OUT, -1);
     else if (a->owing >= 0) deal_put(d, i, COMPUTED, a->owing);
-    else if (lost || blame_bad(&d->blame, &d->ledger, i, a->alone)) deal_put_last(d, i);
+    else if (lost || deal_bad(d, i)) deal_put_last(d, i);
     else deal_put_first(d, i);
 }
 

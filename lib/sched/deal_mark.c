@@ -69,7 +69,8 @@ static void rate(struct deal *d, int32_t k)
     const double never = (double)INFINITY;
     int32_t load = slot_load(s);
     bool up = s->state == SLOT_UP, stores = up && s->held.count > s->width;
-    double need = up ? need_of(d, k) : never, task_us = s->pace.task_us > 0 ? s->pace.task_us : 1;
+    double need = up && !s->starved ? need_of(d, k) : never,
+           task_us = s->pace.task_us > 0 ? s->pace.task_us : 1;
     tournament_set(&d->need, k, need);
     tournament_set(&d->excess, k, need < never ? excess_of(d, s) : never);
     tournament_set(&d->store, k, stores ? -load * task_us : never);

@@ -31,7 +31,7 @@ static void *ring_create(const struct sched_params *p)
     h->pool = h->rest = h->cut = h->aside = TASK_LIST_EMPTY;
     blame_init(&h->blame, p->losses);
     h->oldest = h->newest = h->stalest = h->freshest = -1;
-    h->hung_us = h->end_us = INT64_MAX;
+    h->hung_us = h->end_us = h->return_us = INT64_MAX;
     return h;
 }
 
@@ -41,6 +41,7 @@ static void ring_destroy(void *state)
     if (!h) return;
     tasks_free(&h->ledger);
     blame_free(&h->blame);
+    refuse_free(&h->refusals);
     cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
@@ -106,6 +107,8 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     if (had) hub_aside_blame(h, k, out);
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
+    refuse_end(&h->refusals, k);
+    hub_aside_settle(h, out);
     hub_lost(h, k);
     for (int l = 0; l < 2; l++)
         while (lists[l]->count) {
@@ -150,7 +153,7 @@ static void take_fail(struct hub *h, const struct sched_event *e, struct sched_a
 {
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (i < 0 || !hub_works(h, e->slot) || hub_task(h, i)->owner != e->slot) return;
-    hub_aside_fail(h, e->slot, i, out);
+    hub_aside_fail(h, e->slot, i, e->refused, out);
 }
 
 static void take_pixels(struct hub *h, const struct sched_event *e, struct sched_actions *out)
@@ -246,6 +249,7 @@ static void ring_step(
         break;
     case SCHED_WAKE: break;
     }
+    hub_aside_settle(h, out);
     hub_aside_try(h, out);
     hub_match(h, out);
     hub_hung(h, out);
@@ -280,6 +284,7 @@ static int64_t ring_wake_us(const void *state)
     int64_t late_us = hub_late_us(h), due_us = blame_wake_us(&h->blame, h->now_us);
     if (h->closed) return INT64_MAX;
     if (due_us < late_us) late_us = due_us;
+    if (h->return_us < late_us) late_us = h->return_us;
     if (h->end_us < late_us) late_us = h->end_us;
     return late_us < h->hung_us ? late_us : h->hung_us;
 }

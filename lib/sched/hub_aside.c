@@ -19,26 +19,55 @@ void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out)
 {
     const struct hub_node *s = &h->nodes[k];
     int32_t i = s->held.head;
-    for (int32_t n = s->width; n > 0 && i >= 0; n--, i = h->ledger.at[i].next)
-        blame(h, k, i, out);
+    blame_gone(&h->blame, h->now_us);
+    for (int32_t n = s->width; n > 0 && i >= 0; n--, i = h->ledger.at[i].next) blame(h, k, i, out);
 }
 
-void hub_aside_fail(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
+void hub_aside_fail(struct hub *h, int32_t k, int32_t i, bool refused, struct sched_actions *out)
 {
-    blame(h, k, i, out);
+    if (!refused) blame(h, k, i, out);
+    else if (hub_is_up(h, k)) {
+        sched_act(out, SCHED_BLAME, k, task_of(h, i));
+        out->at[out->n - 1].refused = true;
+        refuse_add(&h->refusals, task_of(h, i)->generation, k);
+        hub_aside_settle(h, out);
+    }
     hub_pass_on(h, i, k, out);
+}
+
+/* Tasks aside of a frame or a generation that are not bad go to nodes. */
+static void start_all(
+    struct hub *h, const uint32_t *frame, uint32_t generation, struct sched_actions *out)
+{
+    for (int32_t i = h->aside.head, next; i >= 0; i = next) {
+        next = h->ledger.at[i].next;
+        bool is = frame ? task_of(h, i)->frame == *frame : task_of(h, i)->generation == generation;
+        if (!is || hub_bad(h, i)) continue;
+        hub_unlist(h, i);
+        hub_start(h, i, out);
+    }
+}
+
+/* Tasks that nodes have come back when these refuse them. */
+void hub_aside_settle(struct hub *h, struct sched_actions *out)
+{
+    uint32_t generation;
+    while (refuse_settle(&h->refusals, h->up.count, h->now_us, &generation)) {
+        if (!refuse_all(&h->refusals, generation)) start_all(h, NULL, generation, out);
+        else
+            for (int32_t i = h->rest.head, next; i >= 0; i = next) {
+                next = h->ledger.at[i].next;
+                if (task_of(h, i)->generation != generation) continue;
+                hub_unlist(h, i);
+                hub_put_aside(h, i);
+            }
+    }
 }
 
 void hub_aside_well(struct hub *h, int32_t i, struct sched_actions *out)
 {
     const uint32_t frame = task_of(h, i)->frame;
-    if (!blame_well(&h->blame, task_of(h, i))) return;
-    for (int32_t j = h->aside.head, next; j >= 0; j = next) {
-        next = h->ledger.at[j].next;
-        if (task_of(h, j)->frame != frame || hub_bad(h, j)) continue;
-        hub_unlist(h, j);
-        hub_start(h, j, out);
-    }
+    if (blame_well(&h->blame, task_of(h, i))) start_all(h, &frame, 0, out);
 }
 
 /* ---- trying again ---------------------------------------------------------------------------- */
@@ -51,16 +80,21 @@ static bool is_quiet(const struct hub *h)
     return !h->pool.count && !h->rest.count;
 }
 
-static bool has_nothing(const void *context, int32_t k)
+struct choice {
+    const struct hub *h;
+    int32_t i;
+};
+static bool is_free(const void *context, int32_t k)
 {
-    const struct hub *h = context;
-    return !h->nodes[k].held.count;
+    const struct choice *c = context;
+    return !c->h->nodes[k].held.count && !hub_refuses(c->h, k, c->i);
 }
 
 /* The node to try entry i; -1: none. */
 static int32_t node_for(const struct hub *h, int32_t i)
 {
-    return blame_pick(&h->blame, task_of(h, i), &h->up, has_nothing, h);
+    const struct choice c = {h, i};
+    return blame_pick(&h->blame, task_of(h, i), &h->up, is_free, &c);
 }
 
 /* False: no node is there. */
@@ -76,8 +110,31 @@ static bool give(struct hub *h, int32_t i, struct sched_actions *out)
 static void abandon(struct hub *h, int32_t i, bool all, struct sched_actions *out)
 {
     blame_abandon(&h->ledger, i, all, out);
+    out->at[out->n - 1].refused = refuse_all(&h->refusals, task_of(h, i)->generation);
     hub_commit(h, i, out);
 }
+
+/* The time until which a node may come that is not up. */
+static int64_t returns_us(const struct hub *h, uint32_t generation)
+{
+    int64_t until_us = 0;
+    for (int32_t k = 0; k < h->n_nodes && until_us < INT64_MAX; k++) {
+        const struct hub_node *s = &h->nodes[k];
+        if (s->state == NODE_NEW) until_us = INT64_MAX;
+        if (s->state == NODE_GONE && s->width) until_us = refuse_until_us(&h->refusals, generation);
+    }
+    return until_us;
+}
+
+/* All nodes that are up refuse entry i: gives its frame up, if no other may come. */
+static void try_refused(struct hub *h, int32_t i, struct sched_actions *out)
+{
+    int64_t until_us = returns_us(h, task_of(h, i)->generation);
+    if (h->now_us >= until_us) abandon(h, i, true, out);
+    else if (until_us < h->return_us) h->return_us = until_us;
+}
+
+static void try_entry(struct hub *h, int32_t i, struct sched_actions *out);
 
 /* Cuts entry i into halves. */
 static void halve(struct hub *h, int32_t i, struct sched_actions *out)
@@ -90,13 +147,17 @@ static void halve(struct hub *h, int32_t i, struct sched_actions *out)
         hub_unlist(h, half[k]);
         hub_task(h, half[k])->alone = 1;
         hub_put_aside(h, half[k]);
-        give(h, half[k], out);
     }
+    for (int k = 1; k >= 0; k--) try_entry(h, half[k], out);
 }
 
 static void try_entry(struct hub *h, int32_t i, struct sched_actions *out)
 {
     int32_t *alone = &hub_task(h, i)->alone;
+    if (refuse_all(&h->refusals, task_of(h, i)->generation)) {
+        try_refused(h, i, out);
+        return;
+    }
     switch (blame_step(&h->blame, &h->ledger, &h->aside, i, *alone, h->ended)) {
     case BLAME_GIVE_FRAME:
         if (is_quiet(h) && give(h, i, out)) blame_tried(&h->blame, task_of(h, i));
@@ -118,6 +179,7 @@ static void try_entry(struct hub *h, int32_t i, struct sched_actions *out)
 void hub_aside_try(struct hub *h, struct sched_actions *out)
 {
     bool quiet = h->aside.count && is_quiet(h);
+    h->return_us = INT64_MAX;
     if (!blame_due(&h->blame, quiet, h->ended || h->flush, h->now_us)) return;
     for (int32_t n = h->aside.count; n > 0 && h->aside.count; n--) {
         int32_t i = h->aside.head;

@@ -20,6 +20,7 @@
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
+#include "sched/refuse.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
 
@@ -77,6 +78,7 @@ struct hub {
     struct task_list cut;     /* tasks of no node whose pieces are missing */
     struct task_list aside;   /* tasks that cost nodes */
     struct blame blame;
+    struct refusals refusals;
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
@@ -106,6 +108,7 @@ struct hub {
     struct slot_set freed;     /* nodes of which a task has left the ledger in this step */
     int32_t stalest, freshest; /* the ends of the list of busy nodes, by latest progress */
     int64_t hung_us;           /* when a task will be late; INT64_MAX: none */
+    int64_t return_us;         /* when tasks that all refuse are given up; INT64_MAX: not now */
     bool taken_over;           /* a node may still compute a task that was taken from it */
     bool ended, flush, closed;
 };
@@ -123,6 +126,11 @@ static inline bool hub_works(const struct hub *h, int32_t k)
 {
     return hub_is_up(h, k) || (k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_DRAINS);
 }
+/* Does node k refuse entry i? */
+static inline bool hub_refuses(const struct hub *h, int32_t k, int32_t i)
+{
+    return h->refusals.n && refuse_is(&h->refusals, h->ledger.at[i].task.generation, k);
+}
 /* ---- hub_owner.c ----------------------------------------------------------------------------- */
 
 /* Sends entry i to its owner, node k, which is up. */
@@ -137,7 +145,7 @@ void hub_commit(struct hub *h, int32_t i, struct sched_actions *out);
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
 /* An entry without owner goes to the node of its slot, or to that of its number. */
 void hub_start(struct hub *h, int32_t i, struct sched_actions *out);
-/* Entry i, on no list, goes to node k, or to the nearest node before it that is up. */
+/* Entry i, on no list, goes to node k, or to the nearest node before it that is up and takes it. */
 void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Entry i, of node k, which is gone or drains, goes to another node as a task without owner; or
  * aside. */
@@ -149,8 +157,11 @@ void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
 
 /* Node k, which is lost, was computing these: blames the tasks. */
 void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out);
-/* Node k cannot compute its entry i: blames the task, and gives it to another node. */
-void hub_aside_fail(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
+/* Node k cannot compute its entry i: blames the task, unless the node refuses the state, and gives
+ * it to another node. */
+void hub_aside_fail(struct hub *h, int32_t k, int32_t i, bool refused, struct sched_actions *out);
+/* After refusals, or other nodes that are up: puts tasks aside that all refuse, or back. */
+void hub_aside_settle(struct hub *h, struct sched_actions *out);
 /* Entry i was done: if its frame was put aside, its tasks go to nodes. */
 void hub_aside_well(struct hub *h, int32_t i, struct sched_actions *out);
 /* If nodes have nothing else to do, tries what was put aside, or gives it up. */

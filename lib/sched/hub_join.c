@@ -75,6 +75,8 @@ void hub_drain(struct hub *h, int32_t k, struct sched_actions *out)
     if (s->state != NODE_UP) return;
     s->state = NODE_DRAINS;
     set_put(&h->up, k, false);
+    refuse_end(&h->refusals, k);
+    hub_aside_settle(h, out);
     hub_lost(h, k);
     for (int32_t kept = 0; i >= 0 && kept < s->width; kept++) i = h->ledger.at[i].next;
     while (i >= 0) {
@@ -92,6 +94,7 @@ void hub_let_go(struct hub *h, struct sched_actions *out)
     while (h->leaving.count) {
         int32_t k = set_after(&h->leaving, -1);
         h->nodes[k].state = NODE_GONE;
+        h->nodes[k].width = 0; /* it will not come back */
         hub_mark(h, k);
         sched_act(out, SCHED_LEAVE, k, NULL);
     }

@@ -73,6 +73,15 @@ static void mark_rich(struct hub *h, int32_t k, bool rich)
     move(h->rich, &h->loads, k, &s->load, load);
 }
 
+/* Does node k refuse a task that others have? Then it does not ask them for any. */
+static bool refuses(const struct hub *h, int32_t k)
+{
+    if (!h->refusals.n || !refuse_any(&h->refusals, k)) return false;
+    for (uint32_t g = 0; g < GENERATIONS; g++)
+        if (refuse_is(&h->refusals, g, k) && tasks_in_generation(&h->ledger, g)) return true;
+    return false;
+}
+
 /* ---- busy nodes, by latest progress ---------------------------------------------------------- */
 
 static void unlist(struct hub *h, int32_t k)
@@ -103,7 +112,8 @@ static void mark_busy(struct hub *h, int32_t k)
     bool busy = hub_works(h, k) && owes;
     if (busy && !s->busy) enlist(h, k);
     if (!busy) unlist(h, k);
-    set_put(&h->idle, k, s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count);
+    set_put(&h->idle, k,
+        s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count && !refuses(h, k));
 }
 
 void hub_progress(struct hub *h, int32_t k)
@@ -123,7 +133,7 @@ void hub_mark(struct hub *h, int32_t k)
     bool up = s->state == NODE_UP, drains = s->state == NODE_DRAINS;
     bool more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
-    set_put(&h->hungry, k, up && s->asking && s->victim < 0);
+    set_put(&h->hungry, k, up && s->asking && s->victim < 0 && !refuses(h, k));
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
     set_put(&h->leaving, k, drains && !s->held.count && !s->computed.count);
     mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);

@@ -29,6 +29,8 @@ void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
     enum node_state state = h->nodes[k].state;
     if (state == NODE_GONE || state == NODE_DRAINS) k = set_before(&h->up, k);
+    for (int32_t n = h->up.count; n > 0 && k >= 0 && hub_refuses(h, k, i); n--)
+        k = set_before(&h->up, k);
     hub_enlist(h, i, k, false);
     if (hub_is_up(h, k)) hub_send(h, k, i, out);
     else if (k >= 0) hub_mark(h, k);

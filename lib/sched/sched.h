@@ -73,6 +73,7 @@ struct sched_event {
     struct task task;
     uint32_t frame_w;
     int64_t wall_us; /* DONE: computing time, as the slot reports it; -1: not reported */
+    bool refused;    /* FAIL: the slot has not the memory for the state of the task */
     double power;    /* UP: relative power of the slot; 0: unknown */
     bool stated;     /* UP: the hosts file states that power; else it was measured in a moment */
     int32_t from;    /* TASK, to a node: the previous owner; -1: none */
@@ -85,10 +86,10 @@ enum sched_action_kind {
     SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once, or given up */
     SCHED_BLAME,     /* slot, task: the slot was lost, or has failed, while it computed the task */
     SCHED_ABANDON,   /* task: its missing pixels are given up; all: and those of its frame */
-    SCHED_SAY, /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
+    SCHED_SAY,   /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
     SCHED_LEAVE, /* slot, after SCHED_DRAIN: it holds nothing more, and gets nothing more */
-    SCHED_END, /* close the input of all slots */
-    SCHED_STOP /* the same, and stop the slots: their current tasks are not needed */
+    SCHED_END,   /* close the input of all slots */
+    SCHED_STOP   /* the same, and stop the slots: their current tasks are not needed */
 };
 struct sched_action {
     enum sched_action_kind kind;
@@ -97,6 +98,7 @@ struct sched_action {
     uint32_t origin_id; /* GIVE: id of the input task that this one is, or is a piece of */
     int32_t from;       /* GIVE, to a node: the previous owner; -1: none */
     bool all;           /* ABANDON: no task of the frame could be computed */
+    bool refused;       /* ABANDON: all slots that are up refuse its state; BLAME: the slot does */
     struct ring ring;
 };
 /* The actions of one step, in order. The driver empties the list and frees it at last. */

@@ -41,10 +41,27 @@ void sim_note_event(struct world *w, const struct sched_event *e)
     if (w->checks && w->checks->event) w->checks->event(w, e);
 }
 
+/* A piece is seen for the first time when it is given, given up, or committed as its halves are.
+ * The hub may cut one again that came back when no node was up: then it has fewer pixels. */
+static void note_piece(struct world *w, const struct sched_action *a)
+{
+    struct vtask *t = sim_vtask_at(w, a->task.id);
+    if (!t || (t->known && memcmp(&t->task.at, &a->task.at, sizeof a->task.at) == 0)) return;
+    if (t->known) t->sent = 0;
+    t->task = a->task;
+    t->known = true;
+}
+
+static bool is_piece(const struct world *w, const struct sched_action *a)
+{
+    return a->task.id >= (uint32_t)w->plan->tasks;
+}
+
 static void check_commit(struct world *w, const struct sched_action *a)
 {
     struct vtask *t = sim_vtask_at(w, a->task.id);
     w->result->commits++;
+    if (t && !t->known && is_piece(w, a)) note_piece(w, a);
     if (!t || !t->known || t->committed) sim_fail(w, "a task was committed twice", a->task.id, 0);
     else if (!sim_is_sent(w, &t->task.at))
         sim_fail(w, "a task was committed before its last pixel came", a->task.id, 0);
@@ -66,16 +83,21 @@ static void check_abandon(struct world *w, const struct sched_action *a)
 {
     const int32_t most = sim_losses(w->plan);
     int32_t blamed = 0;
+    for (int32_t k = 0; a->refused && k < w->plan->slots; k++)
+        if (w->slots[k].up && !w->slots[k].drains && !sim_refuses(w, k, a->task.generation))
+            sim_fail(w, "a task was given up that a slot does not refuse", a->task.id, k);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
         if (a->all || inside(w, &a->task.at, &t->task) || inside(w, &t->task.at, &a->task))
             blamed += t->blamed;
     }
-    if (blamed <= most) sim_fail(w, "a task was given up too early", a->task.id, blamed);
+    if (!a->refused && blamed <= most)
+        sim_fail(w, "a task was given up too early", a->task.id, blamed);
     /* A half was tried twice more; not a pixel alone, which other losses may hit by chance. */
-    const bool half = a->task.id >= (uint32_t)w->plan->tasks && lattice_count(&a->task.at) > 1;
+    const bool piece = is_piece(w, a), half = piece && lattice_count(&a->task.at) > 1;
     if (!a->all && half && w->n_poison && !sim_poison_in(w, &a->task) && blamed < most + 2)
         sim_fail(w, "a good task was given up", a->task.id, blamed);
+    if (piece && !sim_vtask_at(w, a->task.id)->known) note_piece(w, a);
     const uint64_t done = w->sent.done;
     for (uint64_t i = 0, n = lattice_count(&a->task.at); i < n; i++)
         coverage_set(&w->sent, lattice_pixel(&a->task.at, w->frame_w, i));
@@ -93,25 +115,14 @@ static void check_end(struct world *w)
     w->ended = true;
 }
 
-/* A piece is seen for the first time when it is given. The hub may cut one again that came back
- * when no node was up: then it has fewer pixels. */
-static void note_piece(struct world *w, const struct sched_action *a)
-{
-    struct vtask *t = sim_vtask_at(w, a->task.id);
-    if (!t || (t->known && memcmp(&t->task.at, &a->task.at, sizeof a->task.at) == 0)) return;
-    if (t->known) t->sent = 0;
-    t->task = a->task;
-    t->known = true;
-}
-
 void sim_note_action(struct world *w, const struct sched_action *a)
 {
-    bool given = a->kind == SCHED_GIVE, piece = given && a->task.id >= (uint32_t)w->plan->tasks;
+    bool given = a->kind == SCHED_GIVE, piece = given && is_piece(w, a);
     w->result->gives += given;
     w->result->pieces += piece;
     if (a->kind == SCHED_ASK_FLUSH) w->result->flushes++;
     if (a->kind == SCHED_STOP) w->result->stops++;
-    if (a->kind == SCHED_BLAME && sim_vtask_at(w, a->task.id))
+    if (a->kind == SCHED_BLAME && !a->refused && sim_vtask_at(w, a->task.id))
         sim_vtask_at(w, a->task.id)->blamed++;
     if (a->kind == SCHED_ABANDON) check_abandon(w, a);
     if (a->kind == SCHED_COMMIT) check_commit(w, a);

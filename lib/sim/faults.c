@@ -56,7 +56,7 @@ void sim_plan_faults(struct world *w)
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
-        if (f->at_us >= 0 && f->kind != SIM_POISON)
+        if (f->at_us >= 0 && f->kind < SIM_POISON)
             plan_fault(w, f->at_us, f->slot, f->kind, f->power);
     }
     if (sim_draw(w) < p->p_kill)
@@ -68,7 +68,7 @@ void sim_inject_by_commits(struct world *w, int64_t before)
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
-        if (f->at_us < 0 && f->kind != SIM_POISON && f->commits > before &&
+        if (f->at_us < 0 && f->kind < SIM_POISON && f->commits > before &&
             f->commits <= w->result->commits)
             plan_fault(w, w->now_us, f->slot, f->kind, f->power);
     }
@@ -128,7 +128,8 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
         sim_say(w, k, (struct sched_event){.kind = SCHED_DRAIN});
         break;
     case SIM_KILL:
-    case SIM_POISON: break;
+    case SIM_POISON:
+    case SIM_REFUSE: break;
     }
 }
 
@@ -174,6 +175,7 @@ void sim_restart_hub(struct world *w)
     for (int32_t k = 0; k < w->plan->slots; k++) {
         struct vslot *s = &w->slots[k];
         s->up = s->lost = s->asked = s->drains = s->left = false;
+        memset(s->refused, 0, sizeof s->refused);
         s->has = 0;
     }
     if (w->checks && w->checks->restart) w->checks->restart(w);

@@ -32,6 +32,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_hang = p->p_kill = 0;
     p->p_return = p->p_twice = p->p_garbage = p->p_drain = 0;
     p->joins = p->poison = 0;
+    p->p_refuse = 0;
     p->start = (struct sim_start){0};
 }
 
@@ -69,6 +70,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     if (unit(seed, 45) < .25)
         p.start = (struct sim_start){.build_s = .1 * unit(seed, 46), .spread = 4};
     if (unit(seed, 47) < .15) p.poison = pick(seed, 48, 1, 3);
+    if (unit(seed, 49) < .1) p.p_refuse = unit(seed, 50);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;
@@ -77,6 +79,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
 struct sim_plan sim_ring_plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_plan_of(seed);
+    p.p_refuse = 0; /* the checks of the ring do not know it: test_poison */
     p.node = &policy_node;
     p.calm = false;
     p.p_hang = chance(seed, 25, .3);

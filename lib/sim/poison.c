@@ -1,4 +1,4 @@
-/* Pixels that cost the slots that compute them. */
+/* Pixels that cost the slots that compute them, and states that slots refuse. */
 #include "sim/world.h"
 
 const struct poison *sim_poison_in(const struct world *w, const struct task *t)
@@ -25,4 +25,15 @@ void sim_plan_poison(struct world *w)
         w->poison[w->n_poison++] = (struct poison){(uint32_t)(px % w->frame_w),
             (uint32_t)(px / w->frame_w), rng_unit(p->seed, 5001 + 2 * (uint64_t)i) < .5};
     }
+}
+
+bool sim_refuses(const struct world *w, int32_t k, uint32_t generation)
+{
+    const struct sim_plan *p = w->plan;
+    for (size_t i = 0; i < p->n_faults; i++) {
+        const struct sim_fault *f = &p->faults[i];
+        if (f->kind == SIM_REFUSE && f->slot == k && f->y == generation) return true;
+    }
+    const uint64_t draw = 10000 + (uint64_t)generation * (uint64_t)p->slots + (uint64_t)k;
+    return k && p->p_refuse > 0 && rng_unit(p->seed, draw) < p->p_refuse;
 }

@@ -21,8 +21,8 @@ void sim_report_faults(const struct sim_result *r, struct buf *out)
     } table[] = {{"crashes", r->crashes}, {"silences", r->silences}, {"pauses", r->pauses},
         {"slows", r->slows}, {"hangs", r->hangs}, {"kills", r->kills}, {"returns", r->returns},
         {"twice", r->twice}, {"garbage", r->garbage}, {"lost", r->lost}, {"doubled", r->doubled},
-        {"late", r->late}, {"poisoned", r->poisoned},
-        {"abandoned", (int64_t)r->abandoned}, {"events", r->events}};
+        {"late", r->late}, {"poisoned", r->poisoned}, {"abandoned", (int64_t)r->abandoned},
+        {"events", r->events}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) count(out, table[i].key, table[i].n);
     buf_printf(out, "trace\t%016" PRIx64 "\n", r->trace_hash);
 }

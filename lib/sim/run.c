@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-#define AT_ONCE 100     /* limit of events per slot and task, against endless loops */
-#define PX_AT_ONCE 10   /* likewise, per pixel */
+#define AT_ONCE 100   /* limit of events per slot and task, against endless loops */
+#define PX_AT_ONCE 10 /* likewise, per pixel */
 
 /* ---- the hub --------------------------------------------------------------------------------- */
 
@@ -365,6 +365,7 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->drains += r->drains;
     sum->leaves += r->leaves;
     sum->poisoned += r->poisoned;
+    sum->refused += r->refused;
     sum->abandoned += r->abandoned;
     sum->kills += r->kills;
     sum->twice += r->twice;

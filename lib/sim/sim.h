@@ -53,7 +53,8 @@ enum sim_fault_kind {
     SIM_HANG,    /* it never finishes its task, but sends beats: no fan gives it up */
     SIM_DRAIN,   /* it is told to leave the run */
     SIM_KILL,    /* the hub is killed, and restarted later */
-    SIM_POISON   /* a slot that has computed this pixel dies, and comes back */
+    SIM_POISON,  /* a slot that has computed this pixel dies, and comes back */
+    SIM_REFUSE   /* the slot has not the memory for the state of frame y */
 };
 /* A fault that is not random. */
 struct sim_fault {
@@ -62,7 +63,7 @@ struct sim_fault {
     int64_t at_us;   /* time; or, if < 0: */
     int64_t commits; /* number of committed tasks */
     double power;    /* SLOW: factor of the slot's power; POISON: 1: it says so and lives */
-    uint32_t x, y;   /* POISON */
+    uint32_t x, y;   /* POISON; REFUSE */
 };
 
 struct sim_checks; /* of a policy: world.h */
@@ -111,6 +112,7 @@ struct sim_plan {
     int32_t joins;    /* the last slots come later, and are not counted at first */
     double p_kill;    /* of the hub */
     int32_t poison;   /* pixels, drawn by the seed, that are as by SIM_POISON */
+    double p_refuse;  /* a slot, but not slot 0, has not the memory for the state of a frame */
     double p_return;  /* a lost slot comes back */
     double p_twice;   /* an answer is sent twice */
     /* an answer names a task that was not asked for */
@@ -172,6 +174,7 @@ struct sim_result {
     int64_t crashes, silences, pauses, slows, hangs, drains, kills, twice, garbage, returns;
     int64_t leaves;      /* slots that left as they were told to */
     int64_t poisoned;    /* slots that died of a task */
+    int64_t refused;     /* tasks refused */
     uint64_t abandoned;  /* pixels given up */
     int64_t uncommitted; /* tasks, if the run did not end */
     /* gives of tasks that others have; pieces given; ends that stop slots */

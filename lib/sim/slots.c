@@ -68,7 +68,8 @@ void sim_start_next(struct world *w, int32_t k)
     struct vslot *s = &w->slots[k];
     if (s->clock.busy || s->prepares || s->stalled || !s->alive) return;
     if (s->queue.first == s->queue.n) return;
-    double us = cost_us(w, &s->queue.at[s->queue.first]);
+    const struct task *t = &s->queue.at[s->queue.first];
+    double us = sim_refuses(w, k, t->generation) ? 1 : cost_us(w, t);
     w->cost_us += us;
     sim_clock_begin(&s->clock, w->now_us);
     sim_work_begin(w, k, SIM_COMPUTED, us);
@@ -108,6 +109,13 @@ static void computed(struct world *w, int32_t k)
     if (s->stalled) return; /* silent for ever */
     struct task t = s->queue.at[s->queue.first++];
     const struct poison *poison = sim_poison_in(w, &t);
+    if (sim_refuses(w, k, t.generation)) {
+        w->result->refused++;
+        answer(
+            w, k, (struct sched_event){.kind = SCHED_FAIL, .task = t, .refused = true, .from = -1});
+        sim_start_next(w, k);
+        return;
+    }
     if (poison) {
         poisoned(w, k, &t, poison->said);
         return;

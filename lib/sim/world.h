@@ -14,7 +14,7 @@
 #define FRAME_W 64       /* pixels; of frames that the plan makes up */
 #define SLOWEST .05      /* share of its power left to a slot slowed down by chance */
 #define POWER_LEAST 1e-3 /* likewise, by all slow-downs together */
-#define POISON_TRIES 40   /* slots that a pixel may cost: three, and two for each cut */
+#define POISON_TRIES 40  /* slots that a pixel may cost: three, and two for each cut */
 
 /* A pixel that costs slots. */
 struct poison {
@@ -66,6 +66,7 @@ struct vslot {
     void *note;  /* data of the plan's checks; NULL at first, freed with the slot */
     int32_t has; /* tasks given and not answered */
     bool asked;  /* asked to flush since it was last given work */
+    uint64_t refused[GENERATIONS / 64]; /* bit g: it is up, and has refused such a generation */
 };
 
 /* A task of the plan, or a piece that the policy made of one. */
@@ -73,9 +74,9 @@ struct vtask {
     struct task task;
     int32_t to; /* preassigned slot, -1: none */
     bool known, committed;
-    uint64_t sent; /* pixels 0 .. sent were passed to the policy under this id */
+    uint64_t sent;  /* pixels 0 .. sent were passed to the policy under this id */
     int32_t blamed; /* slots that were lost over it, by the policy */
-    void *note;    /* data of the plan's checks; freed with the task */
+    void *note;     /* data of the plan's checks; freed with the task */
 };
 
 struct world {
@@ -100,10 +101,10 @@ struct world {
     uint32_t generation;          /* the latest admitted generation */
     bool waits;                   /* the next one is not admitted yet */
     uint32_t frame_w, frame_h;
-    struct coverage sent; /* pixels passed on, or given up */
+    struct coverage sent;  /* pixels passed on, or given up */
     struct poison *poison; /* pixels that cost slots, */
     size_t n_poison;       /* of this number */
-    uint64_t wanted_px;   /* of all tasks of the plan */
+    uint64_t wanted_px;    /* of all tasks of the plan */
     int64_t now_us;
     double hub_us;                  /* pixels pass the hub until then */
     struct net_queue *up, *down_to; /* of links, by their numbers */
@@ -213,6 +214,8 @@ void sim_node_wake(struct world *w, int32_t k);
 const struct poison *sim_poison_in(const struct world *w, const struct task *t);
 /* Chooses pixels for that. */
 void sim_plan_poison(struct world *w);
+/* Has slot k not the memory for the state of this generation? */
+bool sim_refuses(const struct world *w, int32_t k, uint32_t generation);
 
 /* ---- faults.c -------------------------------------------------------------------------------- */
 

@@ -234,9 +234,10 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
     const float *rgba);
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
+#define WIRE_REFUSED "out-of-memory" /* why: the state does not fit the host's memory */
 /* The task cannot be computed: why is one word; said: words of a command or a process, or "". */
-void wire_failed(struct buf *b, const struct task *t, const char *why, const char *said,
-    const char *extra);
+void wire_failed(
+    struct buf *b, const struct task *t, const char *why, const char *said, const char *extra);
 /* Appends " said=" and the words, of which WIRE_SAID bytes fit; nothing if they are empty. */
 void wire_said(struct buf *b, const char *said);
 /* least: of the power, by the self-test; 0: not known */

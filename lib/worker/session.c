@@ -58,7 +58,7 @@ void worker_fail(
     struct worker_job *known = frames_extra(&w->frames, frames_find(&w->frames, t->frame));
     if (!known->failed) warn("frame %" PRIu32 ": %s", t->frame, why);
     known->failed = true;
-    wire_failed(to, t, "out-of-memory", why, slot);
+    wire_failed(to, t, WIRE_REFUSED, why, slot);
     w->failed = true;
 }
 

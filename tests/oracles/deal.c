@@ -84,10 +84,12 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
 }
 
 /* Slot k cannot compute t. */
-static void note_fail(struct world *w, struct vtask *t, int32_t k)
+static void note_fail(struct world *w, struct vtask *t, int32_t k, bool refused)
 {
     const uint64_t bit = UINT64_C(1) << k;
+    const uint32_t g = t->task.generation;
     if (!has(t, k) && !owes_it(t, k)) return;
+    if (refused && is_up(w, k)) w->slots[k].refused[g / 64] |= UINT64_C(1) << g % 64;
     w->slots[k].has -= has(t, k);
     of(t)->owners &= ~bit;
     of(t)->owing &= ~bit;
@@ -98,6 +100,7 @@ static void note_fail(struct world *w, struct vtask *t, int32_t k)
 static void note_gone(struct world *w, int32_t k)
 {
     w->slots[k].has = 0;
+    memset(w->slots[k].refused, 0, sizeof w->slots[k].refused);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct note *t = of(&w->tasks[i]);
         uint64_t bit = UINT64_C(1) << k;
@@ -132,7 +135,7 @@ static void deal_event(struct world *w, const struct sched_event *e)
     if (e->kind == SCHED_TASK && named) of(&w->tasks[e->task.id])->came = w->n_read;
     if (e->kind == SCHED_PIXELS && named) note_pixels(w, &w->tasks[e->task.id], e);
     if (e->kind == SCHED_DONE && named) note_done(w, &w->tasks[e->task.id], e->slot);
-    if (e->kind == SCHED_FAIL && named) note_fail(w, &w->tasks[e->task.id], e->slot);
+    if (e->kind == SCHED_FAIL && named) note_fail(w, &w->tasks[e->task.id], e->slot, e->refused);
     if (e->kind == SCHED_GONE) note_gone(w, e->slot);
 }
 
@@ -226,7 +229,7 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
     if (!may && !is_late(w, t)) sim_fail(w, "a task was given twice", k, t->task.id);
     w->result->late_copies += !may;
     if (w->slots[k].has) sim_fail(w, "a busy slot was given a copy", k, t->task.id);
-    if (count_waiting(w, false, false))
+    if (w->plan->p_refuse <= 0 && count_waiting(w, false, false)) /* else all may refuse those */
         sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
     if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
     bool early = (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us && !withheld;
@@ -251,7 +254,7 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
 /* With equal depths the least loaded slot gets it, of equals the first; a copy, an idle one. */
 static void check_least(struct world *w, int32_t k, uint32_t id)
 {
-    if (is_suspect(w, sim_vtask_at(w, id))) return;
+    if (is_suspect(w, sim_vtask_at(w, id)) || w->plan->p_refuse > 0) return;
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
         int32_t first = i < k && !w->plan->params.endgame, had = w->slots[k].has - 1;
         if (is_up(w, i) && w->slots[i].has - first < had)
@@ -262,6 +265,7 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
 /* Tasks without an owner are given in order of arrival, after all lost ones. */
 static void check_turn(struct world *w, const struct vtask *t)
 {
+    if (w->plan->p_refuse > 0) return; /* a slot takes the next one that it does not refuse */
     int32_t blamed = 0; /* if all tasks were put aside, lost ones came behind others */
     for (int32_t i = 0; i < w->n_tasks; i++) blamed += w->tasks[i].blamed;
     if (is_suspect(w, t) || blamed >= sim_losses(w->plan)) return;
@@ -290,6 +294,8 @@ static void check_give(struct world *w, const struct sched_action *a)
         sim_fail(w, "a task was given that is done or unknown", a->slot, a->task.id);
     if (owes_it(t, a->slot))
         sim_fail(w, "a slot was given a task whose pixels it owes", a->slot, a->task.id);
+    if (t->to != a->slot && has_refused(s, t))
+        sim_fail(w, "a slot was given a task whose state it refuses", a->slot, a->task.id);
     bool withheld = of(t)->computed_by >= 0;
     if (withheld) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot, withheld);
@@ -377,7 +383,7 @@ static void check_owners(struct world *w)
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true, true);
     if (!endgame && waiting > count_waiting(w, false, true))
         sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);
-    if (!endgame || idle < 0 || w->ended) return;
+    if (!endgame || idle < 0 || w->ended || w->plan->p_refuse > 0) return;
     if (waiting) sim_fail(w, "a slot is idle while tasks wait", idle, waiting);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];

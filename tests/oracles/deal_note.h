@@ -55,4 +55,11 @@ static inline bool is_open(const struct vtask *t)
     return t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by < 0;
 }
 
+/* Has the slot refused the state of t, since it came up? */
+static inline bool has_refused(const struct vslot *s, const struct vtask *t)
+{
+    const uint32_t g = t->task.generation;
+    return s->refused[g / 64] >> g % 64 & 1;
+}
+
 #endif

@@ -37,6 +37,8 @@ static struct sim_result run(const struct policy *policy, struct sim_plan p)
     bool ring = policy == &policy_ring;
     p.node = ring ? &policy_node : NULL;
     p.checks = ring ? &oracle_ring : &oracle_deal;
+    for (size_t i = 0; i < p.n_faults; i++)
+        if (p.faults[i].kind == SIM_REFUSE) p.checks = NULL; /* they know no refusals of a plan */
     sim_run(policy, &p, &r);
     assert_string_equal(r.failure, "");
     assert_int_equal(r.uncommitted, 0);
@@ -179,6 +181,74 @@ static void slots_that_are_lost_for_other_reasons_give_nothing_up(void **state)
     }
 }
 
+/* The first hosts have not the memory for the state of some frames. They say so at once for each
+ * task, and compute the others. */
+static void a_slot_that_has_the_memory_computes_it(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int endgame = 0; endgame < 2; endgame++)
+            for (uint32_t bad = 1; bad <= 5; bad++) {
+                struct sim_plan p = plan_of(5, endgame);
+                p.frames = 5;
+                p.window = 5;
+                for (int32_t k = 0; k < 4; k++)
+                    for (uint32_t g = 0; g < bad; g++)
+                        faults[p.n_faults++] =
+                            (struct sim_fault){.kind = SIM_REFUSE, .slot = k, .y = g};
+                assert_int_equal(run(policies[i], p).abandoned, 0);
+            }
+}
+
+static void a_frame_that_all_refuse_is_given_up_and_no_other(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(4, true);
+        p.frames = 5;
+        p.window = 5;
+        for (int32_t k = 0; k < 4; k++)
+            faults[p.n_faults++] = (struct sim_fault){.kind = SIM_REFUSE, .slot = k, .y = 1};
+        assert_int_equal(run(policies[i], p).abandoned, 64 * ROWS * TASKS / 5);
+    }
+}
+
+/* It comes last, when the others have refused; or comes back, when it was lost. */
+static void a_slot_that_has_the_memory_is_waited_for(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int64_t at_us = 0; at_us <= 1000000; at_us += 100000) {
+            struct sim_plan p = plan_of(4, true);
+            p.p_return = 1;
+            p.start.connect_s = 1;
+            p.start.spread = 2;
+            for (int32_t k = 0; k < 3; k++)
+                faults[p.n_faults++] = (struct sim_fault){.kind = SIM_REFUSE, .slot = k};
+            faults[p.n_faults++] = (struct sim_fault){.kind = SIM_CRASH, .slot = 3, .at_us = at_us};
+            assert_int_equal(run(policies[i], p).abandoned, 0);
+        }
+}
+
+/* As in test_ring, without the rules that its checks have for each task. */
+static void a_ring_computes_all_that_a_node_can(void **state)
+{
+    (void)state;
+    int64_t refused = 0;
+    for (uint64_t seed = 1; seed <= 400; seed++) {
+        struct sim_plan p = sim_ring_plan_of(seed);
+        struct sim_result r;
+        p.poison = 0;
+        p.p_refuse = (double)(seed % 10) / 10;
+        sim_run(&policy_ring, &p, &r);
+        if (*r.failure || r.abandoned) print_error("seed %d: %s\n", (int)seed, r.failure);
+        assert_string_equal(r.failure, "");
+        assert_int_equal(r.abandoned, 0);
+        refused += r.refused;
+    }
+    assert_true(refused > 1000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -191,6 +261,10 @@ int main(void)
         cmocka_unit_test(an_option_says_how_many_slots_a_task_may_cost),
         cmocka_unit_test(a_bad_task_does_not_hold_up_later_frames),
         cmocka_unit_test(slots_that_are_lost_for_other_reasons_give_nothing_up),
+        cmocka_unit_test(a_slot_that_has_the_memory_computes_it),
+        cmocka_unit_test(a_frame_that_all_refuse_is_given_up_and_no_other),
+        cmocka_unit_test(a_slot_that_has_the_memory_is_waited_for),
+        cmocka_unit_test(a_ring_computes_all_that_a_node_can),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

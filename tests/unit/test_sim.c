@@ -67,6 +67,7 @@ static void faults_of_every_kind_happened(void **state)
     assert_true(total.slows > 100 && total.kills > 50);
     assert_true(total.hangs > 100 && total.late_copies > 100);
     assert_true(total.drains > 100 && total.leaves > 100 && total.leaves < total.drains);
+    assert_true(total.refused > 1000);
     assert_true(total.poisoned > 500 && total.abandoned > 50);
     assert_true(total.twice > 1000 && total.garbage > 1000 && total.gives > total.commits + 100);
     assert_true(
