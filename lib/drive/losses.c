@@ -29,7 +29,8 @@ void drive_reason(struct driver *d, const struct record *r)
     if (!rec_str(r, "why", why, sizeof why)) *why = '\0';
     rec_said(r, said);
     buf_consume(&d->losses.reason, buf_size(&d->losses.reason));
-    buf_printf(&d->losses.reason, "%s (%s)%s%s", host, why, *said ? ", it says: " : "", said);
+    buf_printf(&d->losses.reason, "%s (%s%s)%s%s", host, why, status_hint(why),
+        *said ? ", it says: " : "", said);
     buf_append(&d->losses.reason, "", 1);
 }
 
