@@ -85,6 +85,23 @@ is 'a slot loses only the tasks that it cannot do' \
 	"$(cut -d ' ' -f 1-3 events | sed 's/ host.*//; s/said=grid.*/said=grid/' | LC_ALL=C command sort | uniq -c |
 		tr -d ' ' | tr '\n' ,)" \
 	'4failwhy=out-of-memorysaid=grid,1upw=0,1upw=1,'
+# What a host has kept from a run that had memory is refused before it is read, too.
+if fan -l -z on >/dev/null 2>&1; then
+	film large.vtk >large.task
+	mkdir cache
+	printf 'a via="env XDG_CACHE_HOME=%s sh -c %%c"\n' "$PWD/cache" >roomy
+	sed 's/$/ mem=150M/' roomy >tight
+	ok 'a run with memory keeps the grid' sh -c 'deal fan -t 600 -S roomy vcworker - - <large.task >frags'
+	is 'it is kept' "$(find cache -type f | wc -l)" 1
+	for each in '' -1; do
+		# shellcheck disable=SC2086  # an option or none
+		run deal fan -t 600 $each -S tight vcworker - - <large.task
+		is "a kept grid that does not fit$each: exit 1, and no slot is lost" \
+			"$status $(printf '%s\n' "$err" | grep -c lost)" '1 1' # `deal` says that slots were lost or failed
+		like "a kept grid that does not fit$each: by name" "$err" \
+			'^a: vcworker: frame 0: grid: out of memory: needs about'
+	done
+fi
 run deal sh -c "ulimit -v $kib; exec vcworker - -" <film.task
 like 'deal around a worker alone: a message' "$err" \
 	'^deal: frame 1: given up, .* [(]out-of-memory[)], it says: grid: out of memory: needs about'
