@@ -49,7 +49,7 @@ void worker_consider(struct worker *w)
 bool worker_room(void *ctx, size_t bytes)
 {
     struct worker *w = ctx;
-    return !w->ops->needs || worker_fits((double)bytes, bytes, false, w->refusal);
+    return !w->ops->needs || worker_fits(0, bytes, false, w->refusal);
 }
 
 bool worker_loads(struct worker *w, const struct record *r)
