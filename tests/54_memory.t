@@ -97,9 +97,28 @@ for method in 'deal -q auto -e fan' 'ringctl -e fan'; do
 	ok "$method: the picture is that without a limit" cmp mixed-1.pfm whole-1.pfm
 	rm -f mixed-*.pfm
 done
+# What a host has kept from a run that had memory is refused before it is read, too.
+if fan -l -z on >said 2>&1; then
+	film large.vtk >large.task
+	mkdir cache
+	printf 'a via="env XDG_CACHE_HOME=%s sh -c %%c"\n' "$PWD/cache" >roomy
+	sed 's/$/ mem=150M/' roomy >tight
+	ok 'a run with memory keeps the grid' sh -c 'deal fan -t 600 -S roomy vcworker - - <large.task >frags'
+	is 'it is kept' "$(find cache -type f | wc -l)" 1
+	for each in '' -1; do
+		# shellcheck disable=SC2086  # an option or none
+		run deal fan -t 600 $each -S tight vcworker - - <large.task
+		is "a kept grid that does not fit$each: exit 1, and no slot is lost" \
+			"$status $(printf '%s\n' "$err" | grep -c lost)" '1 0'
+		like "a kept grid that does not fit$each: by name" "$err" \
+			'^a: vcworker: frame 0: grid: out of memory: needs about'
+	done
+else
+	skip 'a kept grid that does not fit' "$(cat said)"
+fi
 run deal sh -c "ulimit -v $kib; exec vcworker - -" <film.task
 like 'deal around a worker alone: a message' "$err" \
-	'^deal: frame 1: given up, .* [(]out-of-memory[)], it says: grid: out of memory: needs about'
+	'^deal: frame 1: given up, because it fits the memory of no slot that is up: .* [(]out-of-memory[)], it says: grid: out of memory: needs about'
 
 # ---- signal 9 ------------------------------------------------------------------------------------
 spdgen -s 1 tetra >tetra.nff

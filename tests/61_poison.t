@@ -48,13 +48,21 @@ for where in '-j 3' '-S hosts'; do
 	# shellcheck disable=SC2086
 	partition -u tile:16x16 64x48 | { deal -q 0 fan $where ./frail 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
 	is "workers that die $where: one pixel is given up" "$(cat status) $(grep '^deal: .* given up' said | cut -d, -f1)" '1 deal: frame 0: 1x1+20+20: given up'
-	[ "$where" = '-j 3' ] || like 'their last words are named' "$(grep '^deal: ' said)" '[ab] [(](exit-137|signal-9)[)], it says: no memory here'
+	[ "$where" = '-j 3' ] || like 'their last words are named' "$(grep '^deal: ' said)" '[ab] [(](exit-137|signal-9; killed [(]signal 9[)], as the kernel does when memory is short)[)], it says: no memory here'
 	ok "workers that die $where: no slot is given up" [ "$(grep -c 'no slot left' said)" = 0 ]
 done
 # A worker of two slots dies with both: one half of a bad piece is tried after the other.
 printf '%s\n' '#!/bin/sh' "$(sed -n '2,/^done/p' frail | sed 's/| rtworker g.nff/| rtworker "$@" g.nff/')" >wide && chmod +x wide
 partition -u tile:16x16 64x48 | { deal -e -q auto fan -1 -j 2 ./wide 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
 is 'a worker of two slots that dies: one pixel is given up' "$(cat status) $(grep '^deal: .* given up' said | cut -d, -f1)" '1 deal: frame 0: 1x1+20+20: given up'
+# With balance gdc each worker is behind a node, which ends as its worker did.
+for where in '-j 3' '-S hosts'; do
+	# shellcheck disable=SC2086
+	partition -u tile:16x16 64x48 | { ringctl -e fan $where ringctl -n ./frail 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
+	like "gdc $where: signal 9 is named" "$(cat status) $(grep '^ringctl: .* given up' said)" \
+		'^1 ringctl: frame 0: 1x1\+20\+20: given up, .* [(]signal-9; killed [(]signal 9[)], as the kernel does when memory is short[)]'
+	is "gdc $where: only fan says that a node was lost" "$(grep -c 'tasks unfinished' said)" 0
+done
 # As an uncaught exception of Python ends: with status 1. With 2 a worker refuses its input, and is not started again.
 cat >raises <<'END'
 while IFS= read -r line; do

@@ -99,6 +99,14 @@ bad() { # NAME HOSTS ERE
 }
 printf ': slots=1\na cores=2\n' >bad-key
 bad 'an unknown key' bad-key "bad-key:2: 'cores': unknown, expected slots="
+printf 'a slots = 2\n' >blanks
+bad 'blanks around =' blanks 'blanks:1: slots without a value, expected slots=VALUE, without blanks around =$'
+printf '[group]\na\n' >groups
+bad 'a group' groups "groups:1: '\[group\]': no host name, expected a host in each line: a hosts file has no groups$"
+printf '\033[1ma b\n' >escape
+bad 'an escape byte' escape "escape:1: '[?]\[1ma': no host name, expected \`:\`, HOST or"
+printf 'a "hot cold"\n' >blank
+bad 'a blank in a word' blank "blank:1: 'hot cold': unknown, expected slots="
 printf 'a slots=many\n' >bad-number
 printf '\357\273\277a slots=2\n' >marked
 is 'a byte order mark is skipped' "$(fan -l -S marked | cut -f 2 | tr '\n' ' ')" 'a a '

@@ -95,7 +95,7 @@ const char *err_word(char out[ERR_WORD], const void *word, size_t n)
     char shown[32];
     size_t k = 0;
     for (const char *c = word; k < n && k + 1 < sizeof shown; k++)
-        shown[k] = c[k] > ' ' && c[k] < 0x7f ? c[k] : '?';
+        shown[k] = c[k] >= ' ' && c[k] < 0x7f ? c[k] : '?';
     snprintf(out, ERR_WORD, "'%.*s%s'", (int)k, shown, k < n ? "..." : "");
     return out;
 }

@@ -29,7 +29,8 @@ void drive_reason(struct driver *d, const struct record *r)
     if (!rec_str(r, "why", why, sizeof why)) *why = '\0';
     rec_said(r, said);
     buf_consume(&d->losses.reason, buf_size(&d->losses.reason));
-    buf_printf(&d->losses.reason, "%s (%s)%s%s", host, why, *said ? ", it says: " : "", said);
+    buf_printf(&d->losses.reason, "%s (%s%s)%s%s", host, why, status_hint(why),
+        *said ? ", it says: " : "", said);
     buf_append(&d->losses.reason, "", 1);
 }
 
@@ -71,9 +72,10 @@ void drive_abandon(struct driver *d, const struct sched_action *a)
     const char *text = why ? why->text : latest(l);
     bool said = l->all && l->frame == t->frame;
     if (a->all && !said)
-        warn("frame %" PRIu32 ": given up, because slots were lost or failed over all tasks of it "
-             "that were tried: %s",
-            t->frame, text);
+        warn("frame %" PRIu32 ": given up, because %s: %s", t->frame,
+            a->refused ? "it fits the memory of no slot that is up"
+                       : "slots were lost or failed over all tasks of it that were tried",
+            text);
     else if (!a->all)
         warn("frame %" PRIu32 ": %" PRIu32 "x%" PRIu32 "+%" PRIu32 "+%" PRIu32
              ": given up, because each slot that computed it was lost or failed: %s",

@@ -12,6 +12,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* For the command, which may be a fan whose launchers need their time. */
@@ -175,9 +176,12 @@ static bool poll_round(struct driver *d)
     return more;
 }
 
-/* `end` is "", or what its wait status adds to a message. */
-static int finish(struct driver *d, char *const *command, const char *end)
+/* A node ends as its worker did, so that `fan` and the ring know why. `status` is as of wait; 0: it
+ * did not end by itself. */
+static int finish(struct driver *d, char *const *command, int status)
 {
+    char text[24];
+    const char *end = status ? status_hint(status_text(status, text)) : "";
     if (d->refused) return d->refused;
     if (d->dismissed) return ST_OK;
     int64_t left = sched_uncommitted(d->policy, d->state);
@@ -187,6 +191,8 @@ static int finish(struct driver *d, char *const *command, const char *end)
         wire_bye(&d->out.queue.bulk, d->why);
         up_end_record(&d->out.queue);
         outlet_drain(&d->out);
+        if (d->node && unfinished && status && !d->out.gone)
+            return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
         if (left && !signals_came())
             warn("%s ended with %" PRId64 " tasks unfinished%s", command[0], left, end);
         else if (unfinished && !nobody && !signals_came())
@@ -215,9 +221,8 @@ int drive_policy(
     while (more && !d.out.gone && !d.refused && !d.stopping && !signals_came())
         more = poll_round(&d);
     if (more) child_stop(&d.child);
-    char text[24];
     const int ended = child_end(&d.child, GRACE_MS);
-    int status = finish(&d, command, more ? "" : status_hint(status_text(ended, text)));
+    int status = finish(&d, command, more ? 0 : ended);
     policy->destroy(d.state);
     free(d.acts.at);
     down_free(&d.down);

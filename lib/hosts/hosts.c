@@ -162,6 +162,10 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
     }
+    for (unsigned i = 0; i < N_KEYS && !value; i++)
+        if (strcmp(word, keys[i].name) == 0)
+            return hosts_refuse(
+                r, "%s without a value, expected %s=VALUE, without blanks around =", word, word);
     return hosts_refuse(r, "%s: unknown, expected %s", err_word(shown, word, strlen(word)),
         key_names(names, sizeof names));
 }

@@ -75,7 +75,9 @@ static void advise(char *to, const char *s, bool file)
         snprintf(to, HOSTS_ERR, "`%s` alone, as the argument of -S", s);
     else if (open == host && close && is_ipv6(open + 1, (size_t)(close - open - 1)))
         snprintf(to, HOSTS_ERR, "an IPv6 address without brackets%s", close[1] ? " and port" : "");
-    else if (strpbrk(s, "[]{}"))
+    else if (file && *s == '[' && s[strlen(s) - 1] == ']')
+        snprintf(to, HOSTS_ERR, "a host in each line: a hosts file has no groups");
+    else if (strpbrk(s, "[]{}") && !strchr(s, '\033'))
         snprintf(to, HOSTS_ERR, "each host by its name: only `slurm:` expands brackets");
     else if (file && strchr(s, ',')) snprintf(to, HOSTS_ERR, "one host a line, without a comma");
     else if (counted(s, '*') || counted(s, '/'))

@@ -350,6 +350,7 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
         wire_fail(why, "no newline after the body", "bytes=N bytes and a newline (format 4)");
         return WIRE_BAD;
     }
+    if (rec_kept(r) && d->room && !d->room(d->room_ctx, r->body_len)) return WIRE_RECORD;
     r->body = (const unsigned char *)nl + 1;
     if (r->wire_len != r->body_len && !wire_unpack(d, r)) {
         if (rec_kept(r)) wire_fail(why, "no body with this hash", "one that was kept");

@@ -77,6 +77,8 @@ struct record {
 
 /* Appends the n bytes with this hash, or returns false. The hash is text of any kind. */
 typedef bool wire_kept(const char *sha256, size_t n, struct buf *to);
+/* True if such a body of n bytes may be read. False: the record comes out without it. */
+typedef bool wire_room(void *ctx, size_t n);
 
 /* All zero, except `upward`, at the beginning of a stream. */
 struct decoder {
@@ -85,6 +87,8 @@ struct decoder {
                       /* so the decoder never waits for more than a frag */
     bool coded;       /* the sender may pack bodies: records come out as they were before */
     wire_kept *kept;  /* finds bodies of state that are not sent: wire_keep; NULL: all are sent */
+    wire_room *room;  /* asked before `kept`; NULL: all are read */
+    void *room_ctx;   /* its argument */
     bool unsummed;    /* does not check bodies: call wire_crc and wire_light */
     bool ended;       /* no more bytes will be fed */
     bool lost;        /* looking for the next good record */

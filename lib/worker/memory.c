@@ -46,6 +46,12 @@ void worker_consider(struct worker *w)
         wire_drop(&w->in);
 }
 
+bool worker_room(void *ctx, size_t bytes)
+{
+    struct worker *w = ctx;
+    return !w->ops->needs || worker_fits(0, bytes, false, w->refusal);
+}
+
 bool worker_loads(struct worker *w, const struct record *r)
 {
     if (!r->body) return false;

@@ -50,6 +50,8 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
 {
     struct worker w = {
         .ops = ops, .options = o, .ctx = ctx, .in = STREAM_INPUT, .generations.keeps = true};
+    w.in.room = worker_room;
+    w.in.room_ctx = &w;
     int status = ST_OK;
     frames_init(&w.frames, sizeof(struct worker_job));
     signal(SIGPIPE, SIG_IGN); /* so the status is the same whenever the reader goes */

@@ -88,6 +88,8 @@ void worker_loop(struct worker *w);
 bool worker_fits(double loaded, size_t bytes, bool here, char err[WORKER_ERR]);
 /* Call after a read of the input: a state record that does not fit is dropped as it arrives. */
 void worker_consider(struct worker *w);
+/* The wire_room of its input: the same of a state that this host has kept. */
+wire_room worker_room;
 /* True if the state record can be loaded; else w->refusal says why not. */
 bool worker_loads(struct worker *w, const struct record *r);
 
