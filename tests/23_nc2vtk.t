@@ -329,7 +329,17 @@ if there /usr/include/udunits2.h; then
 	refused_z noground.nc 'the levels need PS of the surface, which is not there'
 	ncdump hybrid.nc | sed 's/"a: ca /"a: cc /' | ncgen -o noterm.nc -
 	ncdump hybrid.nc | sed 's/"a: ca b: cb p0: P0 ps: PS"/"s: ca eta: cb depth: PS"/' | ncgen -o ocean.nc -
-	refused_z ocean.nc 'the formula_terms of z are neither of hybrid nor of sigma levels'
+	refused_z ocean.nc 'the formula_terms of z are none of those known: '
+	# p0 exp(-lev): 1013.25 and 226.3206 hPa
+	ncdump hybrid.nc | sed 's/"a: ca b: cb p0: P0 ps: PS"/"p0: P0 lev: ca"/; s/z:positive = .*/z:positive = "up";/; s/^ ca =.*/ ca = 1.485802701, -0.0131629866 ;/' | ncgen -o ln.nc -
+	is '-z: the logarithm of pressures' "$(got -z ln.nc s):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 + .1 }')" '13 14 11 12 3 4 1 2:0 11000 '
+	ncdump hybrid.nc | sed 's/PS:units = .*/PS:long_name = "logarithm of surface pressure"; PS:units = "1";/; s/1013.25/11.526088451/g; s/506.625/10.832941271/' | ncgen -o lnps.nc -
+	is '-z: hybrid levels, with the logarithm of the surface pressure' "$(got -z lnps.nc s):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 + .1 }')" '3 4 1 nan 13 14 11 12:0 11000 '
+	# a * 2 km + b1 * PS + b2 * Q: 200 and 1000 m where both are 0; 600 m more at x 2
+	ncdump hybrid.nc | sed 's/"a: ca b: cb p0: P0 ps: PS"/"a: ca b1: cb b2: cc ztop: P0 zsurf1: PS zsurf2: Q"/; s/P0:units = .*/P0:units = "km"; double cc(z); float Q(x, y); Q:units = "m";/
+		s/PS:units = "hPa"/PS:units = "m"/; s/^ P0 =.*/ P0 = 2; cc = .5, 0; Q = 0, 0, 800, 0;/; s/^ ca =.*/ ca = .1, .5 ;/; s/^ cb =.*/ cb = .25, 0 ;/
+		/^ PS =/,/;/c\ PS = 0, 0, 800, 0 ;' | ncgen -o sleve.nc -
+	is '-z: SLEVE coordinates' "$(got -z sleve.nc s):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '3 4 1 nan 13 14 11 12:200 1000 '
 	refused_z noterm.nc 'the levels name cc, which is not there'
 	ncdump hybrid.nc | sed 's/PS(x, y)/PS(x, x)/' | ncgen -o square.nc -
 	refused_z square.nc 'PS of the surface has x twice'

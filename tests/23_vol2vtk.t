@@ -89,6 +89,21 @@ is 'NRRD: a time' "$(got -k 1 t.nrrd)" '20 21 9 40 12 35 0 1'
 	cat short.raw; } >one.nrrd
 is 'NRRD: channels and times of one' "$(got one.nrrd):$(axes)" "$numbers:0 2 4:0 1:0 0.5"
 says v.nrrd '2 components, expected -k'
+{ nrrd short little hex ''; perl -ne 'print join "\n", unpack "(H16)*"' short.raw; } >a.nrrd
+is 'NRRD: hex' "$(got a.nrrd)" "$numbers"
+{ nrrd short little raw 'dimension: 2' 'sizes: 3 4' ''; cat short.raw; } >flat.nrrd
+is 'NRRD: a picture' "$(got flat.nrrd):$(axes)" "$numbers:0 1 2:0 1 2 3:0"
+{ nrrd short little raw 'dimension: 2' 'sizes: 3 4' 'space: left-posterior-superior' 'space directions: (2,0,0) (0,-1,0)' 'space origin: (1,2,3)' ''
+	cat short.raw; } >flat.nrrd
+is 'NRRD: a picture in space' "$(got flat.nrrd):$(axes)" "29 31 37 17 19 23 7 11 13 3 2 5:1 3 5:-1 0 1 2:3"
+{ nrrd short little raw 'dimension: 4' 'sizes: 3 1 2 2' 'space: RAST' 'space directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,5)' \
+	'space origin: (7,8,9,0)' ''; cat short.raw; } | sed 's/sizes: 3 1 2 2/sizes: 3 2 1 2/' >4d.nrrd
+is 'NRRD: a space with the time' "$(got -k 1 4d.nrrd):$(axes)" "17 19 23 29 31 37:7 8 9:8 9:9"
+{ nrrd short little bzip2 ''; cat short.raw; } >bz.nrrd
+says bz.nrrd 'encoding: bzip2, expected .*unu save'
+{ nrrd short little ascii ''; echo "$numbers"; echo 41; } >bad.nrrd
+run vol2vtk bad.nrrd
+is 'NRRD: text with a number more' "$status:$out:$err" '2::vol2vtk: bad.nrrd:10: more numbers, expected 12'
 
 { nrrd short little raw 'space directions: (1,0.02,0) (0,1,0) (0,0,1)' ''; cat short.raw; } >oblique.nrrd
 says oblique.nrrd 'axis 1 is turned by 1.15 degrees from x, expected .*-a takes'
@@ -96,7 +111,7 @@ is '-a: the axes of the file' "$(got -a oblique.nrrd >/dev/null; axes | cut -c 1
 { nrrd short little raw 'space directions: (1,0.001,0) (0,1,0) (0,0,1)' ''; cat short.raw; } >rounded.nrrd
 is 'a direction that was rounded' "$(got rounded.nrrd)" "$numbers"
 for case in 'sizes: 3 2 99999999|sizes: 1e\+08' 'sizes: 3 2 16777216|bytes of values, expected' 'sizes: 3 2|sizes' 'type: block|type' \
-	'dimension: 17|dimension' 'encoding: bzip2|encoding' 'endian: middle|endian' 'byte skip: 99|bytes of values' 'line skip: 5|line skip' \
+	'dimension: 17|dimension' 'encoding: zip|encoding' 'endian: middle|endian' 'byte skip: 99|bytes of values' 'line skip: 5|line skip' \
 	'data file: ../s.raw|below it' 'data file: /etc/passwd|below it' 'data file: none.raw|no file that can be read' \
 	'data file: LIST|several files' 'data file: s%03d.raw 1 2 1|several files' 'space directions: (1,0,0) (0,1,0)|space directions: axis 3' \
 	'space directions: (1,0,0) (2,0,0) (0,0,1)|axis 2 is turned' 'space directions: (1,0,0) (0,0,0) (0,0,1)|a step of 0'; do
@@ -146,7 +161,13 @@ is 'MetaImage: text' "$(got a.mha)" "$numbers"
 	cat short.raw; bytes i2 '<' 1 2 3 4 5 6 7 8 9 10 11 12; } >t.mha
 is 'MetaImage: the second time' "$(got -k 1 t.mha):$(axes)" '4 5 6 1 2 3 10 11 12 7 8 9:10 12 14:19 20:30 30.5'
 says t.mha '2 components, expected -k'
-for case in 'NDims = 2|NDims: 2' 'NDims = 4|DimSize' 'DimSize = 3 2 0|0 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
+meta MET_SHORT False False short.raw | grep -v ^BinaryData >a.mhd
+is 'MetaImage: bytes without BinaryData' "$(got a.mhd)" "$numbers"
+{ meta MET_UCHAR False False LOCAL | grep -v ^BinaryData; echo "$numbers"; } >a.mha
+is 'MetaImage: text without BinaryData' "$(got a.mha)" "$numbers"
+{ meta MET_SHORT False False LOCAL 'NDims = 2' 'DimSize = 3 4' 'Offset = 5 6' 'ElementSpacing = 2 1' 'TransformMatrix = 1 0 0 1'; cat short.raw; } >flat.mha
+is 'MetaImage: a picture' "$(got flat.mha):$(axes)" "$numbers:5 7 9:6 7 8 9:0"
+for case in 'NDims = 5|NDims: 5' 'NDims = 4|DimSize' 'DimSize = 3 2 0|0 nodes on axis 3' 'DimSize = 3 2 3|24 bytes of values, expected 36' 'ElementType = MET_STRING|ElementType' \
 	'CompressedData = True|could be unpacked' 'HeaderSize = 99|HeaderSize' 'ElementNumberOfChannels = 0|ElementNumberOfChannels' \
 	'ElementSpacing = 1 0 1|a step of 0' 'Offset = 1 2|Offset'; do
 	{ meta MET_SHORT False False LOCAL "${case%|*}"; cat short.raw; } >bad.mha
@@ -195,7 +216,9 @@ is 'NIfTI: the second time' "$(got -k 1 t.nii)" '1 2 3 4 5 6 7 8 9 10 11 12'
 says t.nii '2 components, expected -k'
 { nifti '<' 128 24 40 s 3,2,2,2; bytes u1 '<' 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24; } >rgb.nii
 is 'NIfTI: green' "$(got -k 1 rgb.nii)" '2 5 8 11 14 17 20 23'
-for case in '40 s 2|2 dimensions' '40 s 3,3,-2|-2 nodes' '40 s 3,32767,32767,32767|more than 2.40 numbers' '40 s 3,9999,9999,9999|bytes of values, expected' '70 s 1536|datatype 1536' \
+{ nifti '<' 4 16 40 s 2,3,4 76 f 1,2,1,0 252 s 1; cat short.raw; } >flat.nii
+is 'NIfTI: a picture' "$(got flat.nii):$(axes)" "$numbers:0 2 4:0 1 2 3:0"
+for case in '40 s 1|1 dimensions' '40 s 3,3,-2|-2 nodes' '40 s 3,32767,32767,32767|more than 2.40 numbers' '40 s 3,9999,9999,9999|bytes of values, expected' '70 s 1536|datatype 1536' \
 	'108 f 1e30|vox_offset' '108 f 353|bytes of values' '344 A abcd|magic word' '254 s 1|a step of 0' '344 A ni1|expected NAME.hdr beside' \
 	'112 f 1,nan|scl_inter'; do
 	# shellcheck disable=SC2086  # words
@@ -246,6 +269,55 @@ is 'VTK XML: appended bytes, packed' "$(got a.vti):$(axes)" "$numbers$placed"
 is 'VTK XML: appended base64' "$(got a.vti):$(axes)" "$numbers$placed"
 { vti '' ascii '' "$numbers" ' Direction="0 0 1 1 0 0 0 1 0"'; echo '</VTKFile>'; } >a.vti
 is 'VTK XML: directions' "$(got a.vti):$(axes)" '3 17 2 19 5 23 7 29 11 31 13 37:8 8.5:22 24 26:30 31'
+{ vti '' ascii '' "$numbers 41"; echo '</VTKFile>'; } >bad.vti
+run vol2vtk bad.vti
+is 'VTK XML: text with a number more' "$status:$out:$err" '2::vol2vtk: bad.vti:5: more numbers, expected 12'
+{ vti '' binary '' "$({ head_of 4 26; cat short.raw; echo; echo; } | base64 -w 0)"; echo '</VTKFile>'; } >bad.vti
+says bad.vti 'an array of 26 bytes, expected 24'
+ghosts() { # NUMBERS: of nodes
+	vti '' ascii '' "$numbers" |
+		sed "s|</PointData>|<DataArray type='UInt8' Name='vtkGhostType' format='ascii'>$1</DataArray></PointData>|"
+	echo '</VTKFile>'
+}
+ghosts '0 1 2 0 0 0 3 0 0 0 0 4' >ghost.vti
+is 'vtkGhostType: hidden nodes are missing, others are not' "$(got ghost.vti):$(vol2vtk -l ghost.vti | wc -l)" '3 2 nan 7 11 13 nan 19 23 29 31 37:1'
+ghosts '0 0 0' >bad.vti
+says bad.vti '3 numbers, expected 12'
+# Pieces of nodes 0 to 1 and 1 to 3 on x, and their cells; the middle nodes are in both
+pieces() { # ATTRIBUTE ...: of each piece
+	echo "<VTKFile type='${3-}ImageData'><${3-}ImageData WholeExtent='0 3 0 1 0 1' Origin='5 0 0'>"
+	echo "<Piece Extent='0 1 0 1 0 1' $1>"
+	[ -n "${3-}" ] || echo "<PointData><DataArray type='Int16' Name='p' format='ascii'>0 1 4 5 8 9 12 13</DataArray></PointData>
+		<CellData><DataArray type='Int16' Name='c' NumberOfComponents='2' format='ascii'>7 8</DataArray></CellData>"
+	echo "</Piece><Piece Extent='1 3 0 1 0 1' $2>"
+	[ -n "${3-}" ] || echo "<PointData><DataArray type='Float32' Name='q' format='ascii'>0 0 0 0 0 0 0 0 0 0 0 0</DataArray>
+		<DataArray type='Int16' Name='p' format='ascii'>1 2 3 5 6 7 9 10 11 13 14 15</DataArray></PointData>
+		<CellData><DataArray type='Int16' Name='c' NumberOfComponents='2' format='ascii'>9 10 11 12</DataArray></CellData>"
+	echo "</Piece></${3-}ImageData></VTKFile>"
+}
+pieces '' '' >pieces.vti
+is 'VTK XML: pieces' "$(got pieces.vti p):$(axes)" '0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15:5 6 7 8:0 1:0 1'
+is 'cells of pieces' "$(vol2vtk -k 1 pieces.vti c 2>&1):$(vol2vtk -l pieces.vti | cut -f 1,3 | tr '\n\t' '; ')" \
+	"vol2vtk: pieces.vti: 1 cells along y, expected 2 at least:p 4x2x2;c 3x1x1;q 4x2x2;"
+run vol2vtk pieces.vti q
+is 'an array of one piece' "$status:$err" "2:vol2vtk: pieces.vti: 'q' has no values of a part of the grid, expected Pieces that cover it"
+sed '/0 1 4 5/,/<\/CellData/d; s/0 1 0 1 0 1/0 -1 0 -1 0 -1/; s/0 3 0 1/1 3 0 1/' pieces.vti >one.vti
+is 'VTK XML: an empty piece' "$(got one.vti p):$(axes)" '1 2 3 5 6 7 9 10 11 13 14 15:6 7 8:0 1:0 1'
+sed "s/'1 3 0/'1 4 0/" pieces.vti >bad.vti
+says bad.vti 'a Piece from 1 to 4 on axis 1, expected it in 0 to 3'
+sed "s/'Int16' Name='p' format='ascii'>1/'Int8' Name='p' format='ascii'>1/" pieces.vti >bad.vti
+says bad.vti "'p' has other numbers in another Piece"
+mkdir parts
+{ head -n 4 pieces.vti; echo '</Piece></ImageData></VTKFile>'; } >parts/0.vti
+sed '2,4d; s|^</Piece><Piece|<Piece|' pieces.vti >parts/1.vti
+pieces "Source='parts/0.vti'" "Source='parts/1.vti'" P >list.pvti
+is 'VTK XML: files of pieces' "$(got list.pvti p):$(axes)" '0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15:5 6 7 8:0 1:0 1'
+sed 's/9 12 13/9 12/' parts/0.vti >parts/2.vti
+sed 's/0.vti/2.vti/' list.pvti >bad.pvti
+run vol2vtk bad.pvti p
+like 'a message names the file of a piece' "$status:$err" '^2:vol2vtk: parts/2.vti:[0-9]: 7 numbers, expected 8$'
+sed 's/0.vti/9.vti/' list.pvti >bad.pvti
+says bad.pvti "the values are in 'parts/9.vti', which is no file"
 cat >a.vtr <<'END_'
 <VTKFile type="RectilinearGrid" version="0.1" byte_order="BigEndian"><RectilinearGrid WholeExtent="0 2 0 2 0 2"><Piece Extent="0 2 0 2 0 2">
 <PointData><DataArray type="Float32" Name="p" format="ascii">1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 nan</DataArray></PointData>
@@ -279,7 +351,7 @@ while IFS='|' read -r from to message; do
 	says bad.vtr "$message"
 done <<'END_'
 RectilinearGrid"|UnstructuredGrid"|UnstructuredGrid., expected ImageData [(].vti[)] or RectilinearGrid [(].vtr[)]
-WholeExtent="0 2 0|WholeExtent="0 3 0|a Piece of a part of the grid, expected one Piece of the whole
+WholeExtent="0 2 0|WholeExtent="0 3 0|axis 1 has no coordinate of node 4, expected numbers, and Pieces that cover the grid
 <Piece|<Part|mismatched tag
 NumberOfComponents="2"|NumberOfComponents="-2"|NumberOfComponents
 <VTKFile|<!DOCTYPE a [<!ENTITY b "c">]><VTKFile|DOCTYPE., expected no declarations
@@ -322,6 +394,8 @@ END_
 is 'VTK legacy: an image, cells' "$(got a.legacy 'heat flux'):$(axes)" '1 2 3 4 5 6 7 8:11 13:20.5 21.5:30.25 30.75'
 sed 's/^DIMENSIONS.*/DIMENSIONS 3 5 1/' a.legacy >flat.legacy
 is 'VTK legacy: a flat image, cells' "$(got flat.legacy 'heat flux'):$(axes)" '1 2 3 4 5 6 7 8:11 13:20.5 21.5 22.5 23.5:30'
+sed 's/^DIMENSIONS.*/EXTENT 5 7 -1 1 0 2/' a.legacy >extent.legacy
+is 'VTK legacy: an extent' "$(got extent.legacy 'heat flux'):$(axes)" '1 2 3 4 5 6 7 8:21 23:19.5 20.5:30.25 30.75'
 is 'VTK legacy: the length of vectors' "$(got -k length a.legacy wind)" '3 7 9 9 1 2 3 4'
 is 'VTK legacy: a field' "$(got -k 1 a.legacy two)" '2 4 6 8 10 12 14 16'
 { sed -n '1,2p' a.legacy; printf 'BINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 2\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 12\nSCALARS s short 1\nLOOKUP_TABLE default\n'

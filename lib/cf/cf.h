@@ -117,7 +117,8 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, size_t 
 /* A variable of x, y and perhaps time. */
 struct cf_layer {
     int group, id;
-    double unit; /* to multiply by */
+    double unit;    /* to multiply by */
+    bool logarithm; /* it is ln of that */
 };
 struct cf_ocean;
 /* The variables from which the height of each node of a field comes. */
@@ -133,9 +134,11 @@ struct cf_heights {
     struct cf_field geopotential, base; /* base: to be added, if it has axes */
     double metres;                      /* of a unit of the geopotential */
     double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa; or the height
-                    * is that with the height of the ground, in metres */
+                    * is that with the height of the ground, in metres; b NULL: a alone */
     struct cf_layer surface; /* its pressure in Pa, or its height in metres */
-    struct cf_ocean *ocean;  /* of CF_HEIGHTS_OCEAN */
+    double *b2;              /* NULL: none; times a second height of the ground is added */
+    struct cf_layer second;
+    struct cf_ocean *ocean; /* of CF_HEIGHTS_OCEAN */
 };
 /*
  * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure or

@@ -94,7 +94,9 @@ static bool find_wrf(struct cf_file *c, const struct cf_field *f, struct cf_heig
 
 struct names {
     char a[CF_TEXT], ap[CF_TEXT], b[CF_TEXT], p0[CF_TEXT], ptop[CF_TEXT];
-    char ps[CF_TEXT], orog[CF_TEXT]; /* surface pressure, or height; "": none */
+    char ps[CF_TEXT], orog[CF_TEXT];                  /* surface pressure, or height; "": none */
+    char lev[CF_TEXT];                                /* -ln(pressure / p0) */
+    char b2[CF_TEXT], second[CF_TEXT], ztop[CF_TEXT]; /* of SLEVE coordinates */
 };
 
 /* Returns 1 if the levels are hybrid or sigma levels, 0 if they state no formula, and -1 with a
@@ -108,11 +110,18 @@ static int find_names(
     cf_term(terms, "a", n->a), cf_term(terms, "ap", n->ap), cf_term(terms, "p0", n->p0);
     cf_term(terms, "ps", n->ps), cf_term(terms, "ptop", n->ptop), cf_term(terms, "orog", n->orog);
     if (!cf_term(terms, "b", n->b)) cf_term(terms, "sigma", n->b);
+    cf_term(terms, "lev", n->lev), cf_term(terms, "ztop", n->ztop);
+    cf_term(terms, "b2", n->b2), cf_term(terms, "zsurf2", n->second);
+    const bool sleve = n->b2[0] && n->second[0] && n->ztop[0] && n->a[0];
+    if (sleve) cf_term(terms, "b1", n->b), cf_term(terms, "zsurf1", n->orog);
     free(terms);
     if (stated && n->b[0] && (n->ps[0] || n->orog[0])) return 1;
+    if (stated && n->lev[0] && n->p0[0]) return 1;
     if (stated) {
-        err_set(
-            err, "the formula_terms of %.60s are neither of hybrid nor of sigma levels", z->name);
+        err_set(err,
+            "the formula_terms of %.60s are none of those known: a or ap, b and ps or orog; sigma, "
+            "ptop and ps; p0 and lev; a, b1, b2, ztop, zsurf1 and zsurf2",
+            z->name);
         return -1;
     }
     cf_text(c, z->in, z->id, "A_var", n->a);
@@ -130,13 +139,26 @@ static bool is_in_pascals(struct cf_file *c, int group, int id, const struct nam
     return n->ps[0] && units[0] && cf_in_pascals(units) > 0;
 }
 
+/* Reads one number, in metres. */
+static bool read_metres(
+    struct cf_file *c, int group, const char *name, double *out, char err[ERR_BYTES])
+{
+    int id;
+    return cf_numbers(c, group, name, 1, out, err) &&
+           (nc_inq_varid(group, name, &id) != NC_NOERR || cf_to_metres(c, group, id, out, err));
+}
+
 /* Brings coefficients to a[k] + b[k] * surface pressure or height. */
 static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const struct names *n,
     struct cf_heights *h, char err[ERR_BYTES])
 {
     double p0 = P0, ptop = 0;
     int id;
-    if (n->orog[0]) { /* a height is a + b times that of the ground */
+    if (n->ztop[0] && n->orog[0]) { /* SLEVE: a is a part of ztop */
+        if (!read_metres(c, z->in, n->ztop, &p0, err)) return false;
+        h->b2 = xcalloc(z->n, sizeof *h->b2);
+        if (!cf_numbers(c, z->in, n->b2, z->n, h->b2, err)) return false;
+    } else if (n->orog[0]) { /* a height is a + b times that of the ground */
         p0 = 1;
         if (n->a[0] && nc_inq_varid(z->in, n->a, &id) == NC_NOERR &&
             !cf_to_metres(c, z->in, id, &p0, err))
@@ -152,6 +174,11 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
             return false;
     }
     h->a = xcalloc(z->n, sizeof *h->a);
+    if (n->lev[0] && !n->b[0]) {
+        if (!cf_numbers(c, z->in, n->lev, z->n, h->a, err)) return false;
+        for (size_t k = 0; k < z->n; k++) h->a[k] = p0 * exp(-h->a[k]);
+        return true;
+    }
     h->b = xcalloc(z->n, sizeof *h->b);
     const char *a = n->ap[0] ? n->ap : n->a;
     if (a[0] && !cf_numbers(c, z->in, a, z->n, h->a, err)) return false;
@@ -162,10 +189,33 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     }
     for (size_t k = 0; k < z->n; k++) {
         h->a[k] = h->a[k] * p0 + ptop * (1 - h->b[k]);
-        if (!isfinite(h->a[k]) || !isfinite(h->b[k]))
+        if (!isfinite(h->a[k]) || !isfinite(h->b[k]) || (h->b2 && !isfinite(h->b2[k])))
             return err_set(err, "a coefficient of the levels is no number, expected numbers");
     }
     return true;
+}
+
+/* True if the variable says that it is the logarithm of a pressure. */
+static bool is_logarithm(struct cf_file *c, int group, int id, const char *name)
+{
+    char standard[CF_TEXT], about[CF_TEXT];
+    cf_text(c, group, id, "standard_name", standard);
+    cf_text(c, group, id, "long_name", about);
+    return strcasecmp(name, "lnsp") == 0 || strcasecmp(name, "lnps") == 0 ||
+           text_has(standard, "logarithm") || text_has(about, "logarithm") ||
+           strncasecmp(about, "ln(", 3) == 0;
+}
+
+/* Finds the pressure at the surface, or its height. */
+static bool find_surface(struct cf_file *c, const struct cf_field *f, const char *name,
+    bool pressure, struct cf_layer *s, char err[ERR_BYTES])
+{
+    *s = (struct cf_layer){.group = f->group, .unit = 1};
+    if (!cf_find_above(&s->group, name, &s->id))
+        return err_set(err, "the levels need %.60s of the surface, which is not there", name);
+    s->logarithm = pressure && is_logarithm(c, s->group, s->id, name);
+    if (s->logarithm) return true; /* of Pa, with any unit or none */
+    return (pressure ? cf_to_pascals : cf_to_metres)(c, s->group, s->id, &s->unit, err);
 }
 
 bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
@@ -194,14 +244,11 @@ bool cf_heights_find(struct cf_file *c, const struct cf_field *f, bool standard,
         if (sea) h->kind = CF_HEIGHTS_SEA;
         return cf_look(c, err);
     }
-    const char *surface = n.ps[0] ? n.ps : n.orog;
-    h->surface = (struct cf_layer){.group = f->group, .unit = 1};
-    if (!cf_find_above(&h->surface.group, surface, &h->surface.id))
-        return err_set(err, "the levels need %.60s of the surface, which is not there", surface);
-    h->kind = n.ps[0] ? CF_HEIGHTS_HYBRID : CF_HEIGHTS_OROGRAPHY;
+    h->kind = n.ps[0] || n.lev[0] ? CF_HEIGHTS_HYBRID : CF_HEIGHTS_OROGRAPHY;
     if (n.ps[0]) n.orog[0] = '\0';
-    if (!(n.ps[0] ? cf_to_pascals : cf_to_metres)(
-            c, h->surface.group, h->surface.id, &h->surface.unit, err))
+    if (n.b[0] && !find_surface(c, f, n.ps[0] ? n.ps : n.orog, n.ps[0], &h->surface, err))
+        return false;
+    if (n.second[0] && n.orog[0] && !find_surface(c, f, n.second, false, &h->second, err))
         return false;
     return find_coefficients(c, z, &n, h, err);
 }
@@ -212,6 +259,7 @@ void cf_heights_free(struct cf_heights *h)
     cf_field_free(&h->base);
     free(h->a);
     free(h->b);
+    free(h->b2);
     cf_ocean_free(h->ocean);
 }
 
@@ -235,15 +283,17 @@ bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct
         return good;
     }
     if (h->kind == CF_HEIGHTS_OCEAN) return cf_ocean_values(c, f, h->ocean, time, member, g, err);
-    double *ps = xcalloc(layer, sizeof *ps);
-    bool good =
-        h->kind == CF_HEIGHTS_SEA || cf_layer_read(c, f, &h->surface, time, member, g, ps, err);
+    double *ps = xcalloc(layer, sizeof *ps), *second = xcalloc(layer, sizeof *second);
+    bool good = (!h->b || cf_layer_read(c, f, &h->surface, time, member, g, ps, err)) &&
+                (!h->b2 || cf_layer_read(c, f, &h->second, time, member, g, second, err));
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
     bool turned = z->n > 1 && (z->at[1] < z->at[0]) != z->down;
     for (size_t k = 0; good && k < z->n; k++) {
         float *to = g->value + layer * (turned ? z->n - 1 - k : k);
-        for (size_t i = 0; i < layer; i++) to[i] = (float)(h->a[k] + (h->b ? h->b[k] * ps[i] : 0));
+        const double b = h->b ? h->b[k] : 0, b2 = h->b2 ? h->b2[k] : 0;
+        for (size_t i = 0; i < layer; i++) to[i] = (float)(h->a[k] + b * ps[i] + b2 * second[i]);
     }
+    free(second);
     free(ps);
     return good;
 }

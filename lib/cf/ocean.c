@@ -102,7 +102,7 @@ static bool find_columns(struct cf_file *c, const struct cf_field *f, const char
     char name[CF_TEXT];
     for (int i = 0; i < PER_COLUMN; i++) {
         struct cf_layer *l = &o->column[i];
-        *l = (struct cf_layer){f->group, -1, 1};
+        *l = (struct cf_layer){.group = f->group, .id = -1, .unit = 1};
         if (!named(terms, column_terms[i], true, name, z, err)) return false;
         if (!cf_find_above(&l->group, name, &l->id))
             return err_set(err, "the levels need %.60s, which is not there", name);

@@ -172,7 +172,8 @@ bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_
             const size_t column = x->at[1] < x->at[0] ? x->n - 1 - i : i;
             const size_t row = y->at[1] < y->at[0] ? y->n - 1 - j : j;
             const double *at = values + i * step[CF_X] + j * step[CF_Y];
-            layer[row * x->n + column] = mean_at(&p, at, step, more) * h->unit;
+            const double mean = mean_at(&p, at, step, more);
+            layer[row * x->n + column] = (h->logarithm ? exp(mean) : mean) * h->unit;
         }
     free(values);
     return cf_look(c, err);

@@ -87,7 +87,7 @@ static bool unpacked(struct voxel *v, struct bytes *b, uint64_t want, struct buf
     const uint64_t word = b->s->word;
     decode(b, word);
     if (b->n < word) return fail_short(v);
-    if (head(b, 0) < want)
+    if (head(b, 0) != want)
         return voxel_fail(v, "an array of %llu bytes, expected %llu",
             (unsigned long long)head(b, 0), (unsigned long long)want);
     decode(b, word + want);
@@ -103,7 +103,7 @@ static bool inflate_blocks(struct voxel *v, struct bytes *b, uint64_t want, stru
     uint64_t at = (3 + blocks) * b->s->word, sum = 0;
     for (uint64_t i = 0; i < blocks; i++) {
         const uint64_t packed = head(b, 3 + i);
-        if (packed > v->n_bytes || sum + packed > v->n_bytes) return fail_short(v);
+        if (packed > b->s->n || sum + packed > b->s->n) return fail_short(v);
         sum += packed;
     }
     struct buf heads = b->own;
@@ -134,7 +134,7 @@ static bool packed(struct voxel *v, struct bytes *b, uint64_t want, struct buf *
         blocks * size - (last ? size - last : 0) != want)
         return voxel_fail(v, "%llu blocks of %llu bytes, expected %llu bytes",
             (unsigned long long)blocks, (unsigned long long)size, (unsigned long long)want);
-    if (blocks > v->n_bytes / word) return fail_short(v);
+    if (blocks > b->s->n / word) return fail_short(v);
     decode(b, (3 + blocks) * word);
     return b->n < (3 + blocks) * word ? fail_short(v) : inflate_blocks(v, b, want, out);
 }

@@ -55,6 +55,18 @@ void voxel_even(struct voxel *v)
         for (int k = 0; k < 3; k++) v->step[i][k] = i == k;
 }
 
+void voxel_across(struct voxel *v)
+{
+    const double *a = v->step[0], *b = v->step[1];
+    double *c = v->step[2], length = 0;
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        c[k] = a[l] * b[m] - a[m] * b[l];
+        length += c[k] * c[k];
+    }
+    for (int k = 0; k < 3 && length > 0; k++) c[k] /= sqrt(length);
+}
+
 /* Names come from files: what breaks a line or a word of a list is replaced. */
 static void copy_name(char out[GRID_NAME], const char *name)
 {
@@ -89,7 +101,7 @@ void voxel_slowest(const struct voxel *v, struct voxel_array *a)
     a->component_stride = stride;
 }
 
-bool voxel_beside(struct voxel *v, const char *name)
+bool voxel_beside(struct voxel *v, const char *name, struct buf *bytes)
 {
     char shown[ERR_PATH], path[4096];
     struct stat st;
@@ -109,7 +121,7 @@ bool voxel_beside(struct voxel *v, const char *name)
             shown);
     if (snprintf(path, sizeof path, "%s/%s", v->directory, name) >= (int)sizeof path)
         return voxel_fail(v, "'%s' is too long a name, expected a shorter one", shown);
-    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || read_file(path, &v->data) != 0)
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || read_file(path, bytes) != 0)
         return voxel_fail(v,
             "the values are in '%s', which is no file that can be read, expected "
             "it beside the header",

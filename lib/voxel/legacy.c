@@ -18,6 +18,7 @@ struct reader {
     char word[VOXEL_LINE]; /* the last word */
     bool binary, rectilinear, cells;
     bool given[4];   /* DIMENSIONS, and coordinates along x, y, z */
+    double first[3]; /* EXTENT: the number of the first node; node 0 has the origin */
     uint64_t tuples; /* values of each array */
 };
 
@@ -118,8 +119,10 @@ static bool numbers(struct reader *r, struct voxel_type t, uint64_t n, struct vo
     const struct voxel *v = r->v;
     if (r->binary && n && !line_end(r)) return false;
     const uint64_t left = v->n_bytes - r->at;
-    *s = (struct voxel_source){
-        .p = v->bytes + r->at, .big = true, .packing = r->binary ? VOXEL_RAW : VOXEL_TEXT};
+    *s = (struct voxel_source){.p = v->bytes + r->at,
+        .big = true,
+        .packing = r->binary ? VOXEL_RAW : VOXEL_TEXT,
+        .file = v->bytes};
     if (n > left / (r->binary ? t.size : 1))
         return voxel_fail(r->v, "bytes for fewer numbers, expected %llu", (unsigned long long)n);
     if (r->binary) r->at += n * t.size;
@@ -171,6 +174,23 @@ static bool read_dimensions(struct reader *r)
     for (int i = 0; i < 3; i++)
         if (!count(r, "a number of nodes", INT32_MAX, &n) || !voxel_set_nodes(r->v, i, (int64_t)n))
             return false;
+    r->given[0] = true;
+    return true;
+}
+
+/* Instead of dimensions: the first and the last node on each axis. */
+static bool read_extent(struct reader *r)
+{
+    for (int i = 0; i < 3; i++) {
+        int64_t end[2] = {0};
+        for (int k = 0; k < 2; k++) {
+            next(r);
+            if (!parse_int(r->word, -INT32_MAX, INT32_MAX, &end[k]))
+                return fail(r, "the number of a node");
+        }
+        if (!voxel_set_nodes(r->v, i, end[1] - end[0] + 1)) return false;
+        r->first[i] = (double)end[0];
+    }
     r->given[0] = true;
     return true;
 }
@@ -313,6 +333,7 @@ static bool read_part(struct reader *r)
     struct voxel *v = r->v;
     static const char *const axes[] = {"X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"};
     if (is(r, "DIMENSIONS")) return read_dimensions(r);
+    if (is(r, "EXTENT")) return read_extent(r);
     if (is(r, "ORIGIN"))
         return real(r, &v->origin[0]) && real(r, &v->origin[1]) && real(r, &v->origin[2]);
     if (is(r, "SPACING") || is(r, "ASPECT_RATIO"))
@@ -352,6 +373,7 @@ static bool read_file_of(struct reader *r)
         return fail(r, "STRUCTURED_POINTS or RECTILINEAR_GRID");
     while (next(r))
         if (!read_part(r)) return false;
+    for (int i = 0; i < 3; i++) v->origin[i] += v->step[i][i] * r->first[i];
     bool whole = r->given[0];
     for (int i = 1; i < 4; i++) whole = whole && r->given[i] == r->rectilinear;
     return whole || voxel_fail(v, "the file ends, expected all axes of the grid");

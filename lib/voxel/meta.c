@@ -99,12 +99,24 @@ static bool place(struct voxel *v, const struct header *h, size_t dims)
         (*h->text[MATRIX] &&
             !voxel_reals(v, "TransformMatrix", h->text[MATRIX], dims * dims, matrix)))
         return false;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3 && i < dims; i++) {
         v->origin[i] = origin[i];
-        for (size_t k = 0; k < 3; k++) v->step[i][k] = matrix[dims * i + k] * spacing[i];
+        for (size_t k = 0; k < 3 && k < dims; k++)
+            v->step[i][k] = matrix[dims * i + k] * spacing[i];
     }
     if (strcasecmp(h->text[MODALITY], "MET_MOD_CT") == 0) snprintf(v->unit, sizeof v->unit, "HU");
     return true;
+}
+
+/* Without BinaryData an image is binary, as MetaIO reads it, unless it looks like text and has
+ * another number of bytes. */
+static bool is_binary(const struct header *h, const struct voxel_array *a, uint64_t bytes)
+{
+    double d;
+    size_t at = 0;
+    if (*h->text[BINARY]) return is_true(h->text[BINARY]);
+    const size_t n = voxel_word(a->at.p, a->at.n, true, &at);
+    return a->at.n == bytes || !voxel_number(a->at.p + at, n, &d);
 }
 
 static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_array *a)
@@ -114,13 +126,14 @@ static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_a
     if (strncasecmp(file, "LIST", 4) == 0 || strchr(file, '%'))
         return voxel_fail(v, "ElementDataFile: several files, expected one");
     const bool local = strcasecmp(file, "LOCAL") == 0;
-    if (!local && !voxel_beside(v, file)) return false;
+    if (!local && !voxel_beside(v, file, &v->data)) return false;
     a->at.p = local ? v->bytes + h->end : buf_data(&v->data);
     a->at.n = local ? v->n_bytes - h->end : buf_size(&v->data);
+    a->at.file = local ? v->bytes : NULL;
     a->at.big = is_true(h->text[MSB]);
-    a->at.packing = is_true(h->text[PACKED])   ? VOXEL_DEFLATE
-                    : is_true(h->text[BINARY]) ? VOXEL_RAW
-                                               : VOXEL_TEXT;
+    a->at.packing = is_true(h->text[PACKED])                              ? VOXEL_DEFLATE
+                    : is_binary(h, a, voxel_numbers(v, a) * a->type.size) ? VOXEL_RAW
+                                                                          : VOXEL_TEXT;
     if (*h->text[HEAD] && !voxel_reals(v, "HeaderSize", h->text[HEAD], 1, &skip)) return false;
     const uint64_t bytes = voxel_numbers(v, a) * a->type.size;
     if (skip == -1) skip = a->at.n > bytes ? (double)(a->at.n - bytes) : 0;
@@ -136,7 +149,8 @@ static bool read_header(struct voxel *v, struct header *h)
     double dims = 0, size[4] = {1, 1, 1, 1}, channels = 1;
     struct voxel_type type = {0, 0};
     if (!read_lines(v, h) || !voxel_reals(v, "NDims", h->text[DIMS], 1, &dims)) return false;
-    if (dims != 3 && dims != 4) return voxel_fail(v, "NDims: %g, expected 3 or 4", dims);
+    if (dims != 2 && dims != 3 && dims != 4)
+        return voxel_fail(v, "NDims: %g, expected 2 to 4", dims);
     if (!voxel_reals(v, "DimSize", h->text[SIZES], (size_t)dims, size) ||
         (*h->text[CHANNELS] &&
             !voxel_reals(v, "ElementNumberOfChannels", h->text[CHANNELS], 1, &channels)) ||

@@ -80,6 +80,7 @@ static void place(struct voxel *v, const struct header *h)
     else if (rotation) place_by_rotation(v, h);
     else
         for (int i = 0; i < 3; i++) v->step[i][i] = real(h, PIXDIM + 4 * (i + 1));
+    if (v->n[2] == 1) voxel_across(v); /* files of pictures may have 0 there */
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
@@ -114,10 +115,10 @@ static bool open_pair(struct voxel *v, struct voxel_array *a)
     if (!dot) return voxel_fail(v, "values in another file, expected NAME.hdr beside NAME.img");
     snprintf(name, sizeof name, "%.*s.img.gz", (int)(dot - base), base);
     v->err = err;
-    bool good = voxel_beside(v, name);
+    bool good = voxel_beside(v, name, &v->data);
     v->err = kept;
     snprintf(name, sizeof name, "%.*s.img", (int)(dot - base), base);
-    good = good || voxel_beside(v, name);
+    good = good || voxel_beside(v, name, &v->data);
     a->at.p = buf_data(&v->data);
     a->at.n = buf_size(&v->data);
     return good;
@@ -148,8 +149,9 @@ static bool read_header(struct voxel *v, struct header *h)
         return voxel_fail(v, "a header of 348 bytes without NIfTI's magic word, perhaps of "
                              "Analyze 7.5, expected n+1 or ni1");
     const int dims = whole(h, DIM);
-    if (dims < 3 || dims > 7) return voxel_fail(v, "%d dimensions, expected 3 to 7", dims);
-    for (int i = 0; i < 3; i++)
+    if (dims < 2 || dims > 7) return voxel_fail(v, "%d dimensions, expected 2 to 7", dims);
+    v->n[2] = 1;
+    for (int i = 0; i < 3 && i < dims; i++)
         if (!voxel_set_nodes(v, i, whole(h, DIM + 2 * (i + 1)))) return false;
     for (int i = 4; i <= dims; i++) {
         const int n = whole(h, DIM + 2 * i);

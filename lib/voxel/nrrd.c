@@ -12,6 +12,7 @@
 #include <strings.h>
 
 #define AXES 16 /* the format's limit */
+#define FLAT -1
 
 enum field {
     TYPE,
@@ -46,12 +47,21 @@ static const char *const names[FIELDS] = {"type", "dimension", "sizes", "encodin
 struct header {
     char text[FIELDS][VOXEL_LINE]; /* "": not there */
     size_t end;                    /* of the header */
-    int axes, space[3];            /* the axes in space */
+    int axes, space[3];            /* the axes in space; FLAT: a picture has no third one */
     int64_t size[AXES];
     char kind[AXES][32];
     bool directed, none[AXES]; /* directed: there are directions, and none where an axis has none */
     double direction[AXES][3];
 };
+
+/* Dimensions of the space. The fourth one is the time. */
+static size_t space_dimensions(const struct header *h)
+{
+    const char *space = h->text[SPACE];
+    const size_t n = strlen(space);
+    if (*h->text[SPACE_DIMENSION]) return (size_t)(*h->text[SPACE_DIMENSION] - '0');
+    return n > 5 && strcasecmp(space + n - 5, "-time") == 0 ? 4 : n == 4 ? 4 : 3;
+}
 
 static const struct {
     const char *name;
@@ -136,7 +146,11 @@ static bool read_int(
 static bool read_directions(struct voxel *v, struct header *h)
 {
     char *rest = h->text[DIRECTIONS];
+    const size_t dims = space_dimensions(h);
+    double part[4] = {0};
     h->directed = *rest != '\0';
+    if (h->directed && (dims < 2 || dims > 4))
+        return voxel_fail(v, "a space of %s dimensions, expected 2 to 4", h->text[SPACE_DIMENSION]);
     for (int i = 0; h->directed && i < h->axes; i++) {
         while (*rest == ' ') rest++;
         if (strncasecmp(rest, "none", 4) == 0) h->none[i] = true, rest += 4;
@@ -145,8 +159,16 @@ static bool read_directions(struct voxel *v, struct header *h)
             if (*rest != '(' || !end)
                 return voxel_fail(v, "space directions: axis %d, expected (x,y,z) or none", i + 1);
             *end = '\0';
-            if (!voxel_reals(v, "space directions", rest + 1, 3, h->direction[i])) return false;
-            for (int k = 0; k < 3; k++) h->none[i] = h->none[i] || isnan(h->direction[i][k]);
+            if (!voxel_reals(v, "space directions", rest + 1, dims, part)) return false;
+            memcpy(h->direction[i], part, sizeof h->direction[i]);
+            for (size_t k = 0; k < dims; k++) h->none[i] = h->none[i] || isnan(part[k]);
+            const bool time = dims == 4 && fabs(part[3]) > 0;
+            if (time && (fabs(part[0]) > 0 || fabs(part[1]) > 0 || fabs(part[2]) > 0))
+                return voxel_fail(v,
+                    "space directions: axis %d is in space and time, expected "
+                    "one of them",
+                    i + 1);
+            h->none[i] = h->none[i] || time;
             rest = end + 1;
         }
     }
@@ -167,7 +189,8 @@ static bool is_in_space(const struct header *h, int i)
     if (h->directed) return !h->none[i];
     if (*kind && strcmp(kind, "???") != 0)
         return strcasecmp(kind, "domain") == 0 || strcasecmp(kind, "space") == 0;
-    return h->axes == 3 || (h->size[i] > 1 && longer_axes(h) == 3);
+    const int longer = longer_axes(h);
+    return h->axes <= 3 || (h->size[i] > 1 && (longer == 2 || longer == 3));
 }
 
 static bool read_axes(struct voxel *v, struct header *h)
@@ -194,13 +217,15 @@ static bool read_axes(struct voxel *v, struct header *h)
     for (int i = 0; i < h->axes; i++)
         if (!is_in_space(h, i)) more += h->size[i] > 1;
         else if (n++ < 3) h->space[n - 1] = i;
-    if (n != 3 || more > 1)
+    if ((n != 3 && n != 2) || more > 1)
         return voxel_fail(v,
-            "%d axes in space and %d others, expected 3 and at most 1: kinds and "
+            "%d axes in space and %d others, expected 2 or 3 and at most 1: kinds and "
             "space directions say what an axis is",
             n, more);
-    for (int i = 0; i < 3; i++)
+    if (n == 2) h->space[2] = FLAT;
+    for (int i = 0; i < n; i++)
         if (!voxel_set_nodes(v, i, h->size[h->space[i]])) return false;
+    if (n == 2) v->n[2] = 1;
     return true;
 }
 
@@ -222,6 +247,7 @@ static bool place_plain(struct voxel *v, struct header *h)
     for (int i = 0; i < 3; i++) {
         const int from = h->space[i];
         const char *centers = h->text[CENTERS];
+        if (from == FLAT) continue;
         size_t at = 0, k = 0;
         for (int word = 0; word <= from; word++) {
             at += k;
@@ -268,11 +294,16 @@ static bool place(struct voxel *v, struct header *h)
     snprintf(v->unit, sizeof v->unit, "%.60s", h->text[SAMPLE_UNITS]);
     if (!h->directed) return place_plain(v, h);
     char *origin = h->text[ORIGIN], *close = strchr(origin, ')');
+    const size_t dims = space_dimensions(h);
+    double first[4] = {0};
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) v->step[i][k] = h->direction[h->space[i]][k];
+        for (int k = 0; k < 3 && h->space[i] != FLAT; k++)
+            v->step[i][k] = h->direction[h->space[i]][k];
+    if (h->space[2] == FLAT) voxel_across(v);
     if (close) *close = '\0';
-    if (*origin && !voxel_reals(v, "space origin", origin + (*origin == '('), 3, v->origin))
+    if (*origin && !voxel_reals(v, "space origin", origin + (*origin == '('), dims, first))
         return false;
+    memcpy(v->origin, first, sizeof v->origin);
     name_axes(v, h);
     return true;
 }
@@ -296,14 +327,19 @@ static bool find_numbers(struct voxel *v, struct header *h, struct voxel_array *
     else if (strcasecmp(encoding, "txt") == 0 || strcasecmp(encoding, "text") == 0 ||
              strcasecmp(encoding, "ascii") == 0)
         a->at.packing = VOXEL_TEXT;
+    else if (strcasecmp(encoding, "hex") == 0) a->at.packing = VOXEL_HEX;
+    else if (strncasecmp(encoding, "bz", 2) == 0)
+        return voxel_fail(v, "encoding: bzip2, expected raw, ascii, hex or gzip; teem converts "
+                             "it: unu save -f nrrd -e gzip -i FILE -o NEW");
     else if (!raw)
-        return voxel_fail(v, "encoding: %s, expected raw, ascii or gzip",
+        return voxel_fail(v, "encoding: %s, expected raw, ascii, hex or gzip",
             err_word(shown, encoding, strlen(encoding)));
     if (strncmp(file, "LIST", 4) == 0 || strchr(file, '%'))
         return voxel_fail(v, "data file: several files, expected one");
-    if (*file && !voxel_beside(v, file)) return false;
+    if (*file && !voxel_beside(v, file, &v->data)) return false;
     a->at.p = *file ? buf_data(&v->data) : v->bytes + h->end;
     a->at.n = *file ? buf_size(&v->data) : v->n_bytes - h->end;
+    a->at.file = *file ? NULL : v->bytes;
     for (const unsigned char *nl; lines; lines--) {
         if (!(nl = memchr(a->at.p, '\n', a->at.n)))
             return voxel_fail(v, "line skip: fewer lines in the data, expected all");
@@ -336,7 +372,7 @@ static bool read_header(struct voxel *v, struct header *h)
     }
     if (other >= 0) components = (uint64_t)h->size[other];
     struct voxel_array *a = voxel_add(v, h->text[CONTENT], type, components, false);
-    for (int i = 0; i < 3; i++) a->stride[i] = strides[h->space[i]];
+    for (int i = 0; i < 3; i++) a->stride[i] = h->space[i] == FLAT ? 0 : strides[h->space[i]];
     a->component_stride = other >= 0 ? strides[other] : 0;
     return voxel_numbers(v, a) ? find_numbers(v, h, a) : true; /* too many: the caller says so */
 }

@@ -8,6 +8,10 @@
 #include <string.h>
 
 #define ASKEW_MAX .01 /* of a step: how far the end of an axis may be off. Headers are rounded. */
+/* Bits of vtkGhostType: points that are hidden; cells that are hidden, or
+ * refined by cells of another grid. */
+#define HIDDEN_POINT 2
+#define HIDDEN_CELL (8 | 32)
 #define PI 3.14159265358979323846
 
 struct placing {
@@ -88,7 +92,8 @@ static bool place_axes(struct voxel *v, const struct voxel_array *a, const struc
 
 /* The numbers of an array, and how to reach those of a node. */
 struct reading {
-    struct voxel_row row;
+    struct voxel_row row, ghost; /* ghost: bits of each value; no bytes: none */
+    unsigned hidden;             /* those of values that are not shown */
     uint64_t components, component, component_stride;
     uint64_t stride[3], last[3]; /* along x, y, z; last: of the last node; 0: the axis ascends */
     double slope, offset;
@@ -110,6 +115,16 @@ static double value_at(const struct reading *r, uint64_t at)
     return sqrt(sum);
 }
 
+/* True if VTK does not show the value. A ghost has one number, the value `components`. */
+static bool is_hidden(const struct reading *r, uint64_t at)
+{
+    const struct voxel_row *row = &r->ghost;
+    if (!row->p) return false;
+    const double bits =
+        voxel_decode(row->p + at / r->components * row->type.size, row->type, row->big);
+    return bits >= 0 && bits < 256 && ((unsigned)bits & r->hidden) != 0;
+}
+
 static uint64_t offset(const struct reading *r, int axis, uint32_t i)
 {
     return r->last[axis] ? r->last[axis] - i * r->stride[axis] : i * r->stride[axis];
@@ -122,7 +137,8 @@ static bool read_values(struct voxel *v, const struct reading *r, struct grid *g
         for (uint32_t j = 0; j < g->n[1]; j++) {
             const uint64_t row = offset(r, 2, k) + offset(r, 1, j);
             for (uint32_t i = 0; i < g->n[0]; i++) {
-                const double d = value_at(r, row + offset(r, 0, i));
+                const uint64_t at = row + offset(r, 0, i);
+                const double d = is_hidden(r, at) ? (double)NAN : value_at(r, at);
                 if (fabs(d) > GRID_MAX)
                     return voxel_fail(v,
                         "a value is %g, expected numbers from %g to %g, and nan "
@@ -150,14 +166,17 @@ bool voxel_grid(const struct voxel *volume, size_t array, uint64_t component, bo
     struct reading r = {.components = a->components,
         .component = component,
         .component_stride = a->component_stride,
+        .hidden = a->cells ? HIDDEN_CELL : HIDDEN_POINT,
         .slope = v->slope,
         .offset = v->offset};
+    const struct voxel_array *ghost = &v->ghost[a->cells];
     for (int axis = 0; axis < 3; axis++) {
         r.stride[axis] = a->stride[p.from[axis]];
         if (down[axis]) r.last[axis] = (g->n[axis] - 1) * r.stride[axis];
     }
-    good = good && voxel_unpack(v, &a->at, a->type, voxel_numbers(v, a), &r.row) &&
-           read_values(v, &r, g);
+    good = good && (!ghost->components || voxel_row(v, ghost, &r.ghost)) &&
+           voxel_row(v, a, &r.row) && read_values(v, &r, g);
+    buf_free(&r.ghost.own);
     buf_free(&r.row.own);
     memcpy(g->name, a->name, sizeof g->name);
     if (!good) grid_free(g);

@@ -45,9 +45,24 @@ static bool read_any(struct voxel *v)
                          "MetaImage or NIfTI-1");
 }
 
+/* What VTK writes beside arrays of the user: bits that say which nodes or cells are hidden. */
+static void take_ghosts(struct voxel *v)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < v->n_arrays; i++) {
+        const struct voxel_array *a = &v->array[i];
+        const bool ghost = strcmp(a->name, "vtkGhostType") == 0 && a->components == 1 &&
+                           !v->ghost[a->cells].components;
+        struct voxel_array *to = ghost ? &v->ghost[a->cells] : &v->array[n++];
+        if (to != a) *to = *a;
+    }
+    v->n_arrays = n;
+}
+
 static bool check(struct voxel *v)
 {
     v->line = 0;
+    take_ghosts(v);
     if (!v->n_arrays) return voxel_fail(v, "no array of numbers, expected one at least");
     for (size_t i = 0; i < v->n_arrays; i++)
         if (!voxel_numbers(v, &v->array[i]))
@@ -89,6 +104,13 @@ void voxel_free(struct voxel *v)
 {
     if (!v) return;
     for (int i = 0; i < 3; i++) free(v->at[i]);
+    for (int i = 0; i < 2; i++) free(v->ghost[i].part);
+    for (size_t i = 0; i < v->n_arrays; i++) free(v->array[i].part);
+    for (size_t i = 0; i < v->n_pieces; i++) {
+        free(v->piece[i].name);
+        buf_free(&v->piece[i].bytes);
+    }
+    free(v->piece);
     free(v->array);
     buf_free(&v->file);
     buf_free(&v->data);

@@ -1,6 +1,7 @@
 /*
  * voxel: volumes of other programs as grids. It reads VTK's XML files of images and rectilinear
- * grids, VTK's legacy files of the same, NRRD, MetaImage and NIfTI-1. vol2vtk(1) lists which parts.
+ * grids, also in pieces, VTK's legacy files of the same, NRRD, MetaImage and NIfTI-1. vol2vtk(1)
+ * lists which parts.
  *
  * Call order: voxel_open, or voxel_read; then voxel_array and voxel_grid for any arrays; then
  * voxel_free. Files are untrusted: every size of a header is checked against the bytes that are

@@ -13,6 +13,7 @@ struct voxel_type {
 enum voxel_packing {
     VOXEL_RAW,     /* as bytes */
     VOXEL_TEXT,    /* as words */
+    VOXEL_HEX,     /* as two digits for each byte, and blanks */
     VOXEL_DEFLATE, /* packed by zlib or gzip, which their heads tell apart */
     VOXEL_BLOCKS   /* of VTK's XML files (blocks.c) */
 };
@@ -23,9 +24,19 @@ struct voxel_source {
     bool big;      /* the most significant byte is first */
     uint64_t skip; /* bytes before the numbers; of VOXEL_DEFLATE, after unpacking */
     bool colours;  /* of VOXEL_TEXT: 0 to 1 stand for bytes from 0 to 255 */
+    /* For messages: the file's name, if it is not the header's, and its first byte, so that a line
+     * can be told; NULL: none. */
+    const char *name;
+    const unsigned char *file;
     /* For VOXEL_BLOCKS. */
     bool base64, packed; /* packed: by zlib */
     uint8_t word;        /* bytes of each number of the head */
+};
+
+/* The values of a part of the grid. */
+struct voxel_part {
+    struct voxel_source at;
+    uint32_t first[3], n[3]; /* the first value on each axis, and how many */
 };
 
 struct voxel_array {
@@ -36,6 +47,14 @@ struct voxel_array {
     uint64_t components;
     /* How many numbers further the next value is on each axis of the file; the next component. */
     uint64_t stride[3], component_stride;
+    struct voxel_part *part; /* instead of `at`, if the values are in several pieces */
+    size_t n_parts;
+};
+
+/* A file beside the header. */
+struct voxel_file {
+    char *name;
+    struct buf bytes;
 };
 
 struct voxel {
@@ -43,7 +62,9 @@ struct voxel {
     const unsigned char *bytes;
     size_t n_bytes;
     struct buf file, data; /* file: the bytes, if they are its own; data: those of another file */
-    size_t line;           /* for messages; 0: none */
+    struct voxel_file *piece; /* files of pieces */
+    size_t n_pieces;
+    size_t line; /* for messages; 0: none */
     char *err;
 
     uint32_t n[3];                /* nodes along each axis of the file */
@@ -52,6 +73,7 @@ struct voxel {
     double slope, offset;         /* a value is number * slope + offset */
     struct voxel_array *array;
     size_t n_arrays;
+    struct voxel_array ghost[2];                    /* of VTK: bits of nodes, and of cells */
     char unit[GRID_NAME];                           /* of the values */
     char axis[3][GRID_NAME / 4], length[GRID_NAME]; /* names and unit of x, y and z */
 };
@@ -82,8 +104,10 @@ uint32_t voxel_side(const struct voxel *v, bool cells, int axis);
 uint64_t voxel_numbers(const struct voxel *v, const struct voxel_array *a);
 /* Even axes along x, y and z, from 0 in steps of 1. */
 void voxel_even(struct voxel *v);
-/* Reads a file beside the header into v->data. */
-bool voxel_beside(struct voxel *v, const char *name);
+/* Of a picture without a third axis: its step is one across both. */
+void voxel_across(struct voxel *v);
+/* Reads a file beside the header. */
+bool voxel_beside(struct voxel *v, const char *name, struct buf *bytes);
 
 /* The next line of the header as text, without its end and without blanks around it. NULL: there
  * is none, or *err is set because it is too long or holds a NUL. */
@@ -111,6 +135,10 @@ struct voxel_row {
 };
 bool voxel_unpack(struct voxel *v, const struct voxel_source *s, struct voxel_type t,
     uint64_t count, struct voxel_row *row);
+/* Notes that row->own holds doubles of this machine. */
+void voxel_row_of_doubles(struct voxel_row *row);
+/* The numbers of an array, whose pieces are joined. */
+bool voxel_row(struct voxel *v, const struct voxel_array *a, struct voxel_row *row);
 /* Unpacks zlib or gzip: passes over `skip` bytes, then appends `want` to out. Returns how many
  * there are. */
 uint64_t voxel_inflate(

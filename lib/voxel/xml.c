@@ -1,10 +1,12 @@
 /*
- * xml: VTK's XML files of an image (.vti) or a rectilinear grid (.vtr). "VTK XML Formats", Kitware.
+ * xml: VTK's XML files of an image (.vti) or a rectilinear grid (.vtr), in one or several pieces,
+ * and lists of such files (.pvti, .pvtr). "VTK XML Formats", Kitware.
  *
  * libexpat finds the elements. Numbers stay where they are in the file: their places are noted. Raw
- * bytes at the end are no XML, so parsing stops at the element that has them.
+ * bytes at the end are no XML, so parsing stops at the element that has them. pieces.c makes the
+ * grid.
  */
-#include "voxel/voxel_int.h"
+#include "voxel/xml.h"
 
 #include <expat.h>
 #include <stdlib.h>
@@ -12,31 +14,20 @@
 #include <strings.h>
 
 #define PIECE (1U << 20) /* bytes that expat gets at a time */
-#define ARRAYS_MAX 10000
-
-enum where { OUTSIDE, POINTS, CELLS, AXES }; /* the element around a DataArray */
-
-/* A DataArray of the file. */
-struct element {
-    char name[GRID_NAME];
-    enum where where;
-    struct voxel_type type; /* size 0: no numbers */
-    uint64_t components, offset;
-    bool appended, text;
-    size_t begin, end; /* of its own text in the file */
-};
+#define ARRAYS_MAX 20000
+#define PIECES_MAX 10000
 
 struct parsing {
     struct voxel *v;
     XML_Parser parser;
-    bool failed, rectilinear, big, packed, piece;
+    struct xml_grid *grid;
+    bool failed, big, packed, list, listed; /* list: of files; listed: this is one of them */
     uint8_t word;
-    double extent[6], origin[3], spacing[3], direction[9];
-    enum where where;
+    enum xml_where where;
     int depth, inside; /* inside: the depth of the DataArray; 0: none is open */
-    struct element *at;
-    size_t n, appended; /* appended: where appended numbers begin; 0: nowhere */
-    bool base64;        /* they are in base64 */
+    size_t first;      /* element of this file */
+    size_t appended;   /* where appended numbers begin; 0: nowhere */
+    bool base64;       /* they are in base64 */
 };
 
 /* ---- elements -------------------------------------------------------------------------------- */
@@ -70,9 +61,13 @@ static void reals(struct parsing *p, const char *name, const char *text, size_t 
 static void open_file(struct parsing *p, const char **a)
 {
     const char *type = attribute(a, "type", ""), *by = attribute(a, "compressor", "");
-    p->rectilinear = strcmp(type, "RectilinearGrid") == 0;
-    if (!p->rectilinear && strcmp(type, "ImageData") != 0)
-        fail(p, type, "ImageData (.vti) or RectilinearGrid (.vtr) in one file");
+    p->list = !p->listed && *type == 'P';
+    const bool rectilinear = strcmp(type + p->list, "RectilinearGrid") == 0;
+    if (!rectilinear && strcmp(type + p->list, "ImageData") != 0)
+        fail(p, type, "ImageData (.vti) or RectilinearGrid (.vtr)");
+    else if (p->listed && rectilinear != p->grid->rectilinear)
+        fail(p, type, "the same kind of grid in each piece");
+    p->grid->rectilinear = rectilinear;
     p->big = strcmp(attribute(a, "byte_order", "LittleEndian"), "BigEndian") == 0;
     p->word = strcmp(attribute(a, "header_type", "UInt32"), "UInt64") == 0 ? 8 : 4;
     p->packed = *by != '\0';
@@ -82,26 +77,25 @@ static void open_file(struct parsing *p, const char **a)
 
 static void open_grid(struct parsing *p, const char **a)
 {
-    reals(p, "WholeExtent", attribute(a, "WholeExtent", ""), 6, p->extent);
-    reals(p, "Origin", attribute(a, "Origin", "0 0 0"), 3, p->origin);
-    reals(p, "Spacing", attribute(a, "Spacing", "1 1 1"), 3, p->spacing);
-    reals(p, "Direction", attribute(a, "Direction", "1 0 0 0 1 0 0 0 1"), 9, p->direction);
+    struct xml_grid *g = p->grid;
+    if (p->listed) return; /* the list counts */
+    reals(p, "WholeExtent", attribute(a, "WholeExtent", ""), 6, g->extent);
+    reals(p, "Origin", attribute(a, "Origin", "0 0 0"), 3, g->origin);
+    reals(p, "Spacing", attribute(a, "Spacing", "1 1 1"), 3, g->spacing);
+    reals(p, "Direction", attribute(a, "Direction", "1 0 0 0 1 0 0 0 1"), 9, g->direction);
 }
 
-/* A file in several pieces has arrays of several names alike, each of a part. */
+/* A piece has a part of each array, or is in a file of its own. */
 static void open_piece(struct parsing *p, const char **a)
 {
-    double extent[6] = {0};
-    reals(p, "Extent", attribute(a, "Extent", ""), 6, extent);
+    struct xml_grid *g = p->grid;
+    if (g->n_pieces == PIECES_MAX) fail(p, "a Piece", "10000 at most");
     if (p->failed) return;
-    bool whole = !p->piece;
-    for (int i = 0; i < 6; i++) whole = whole && extent[i] == p->extent[i];
-    if (!whole) {
-        p->failed = true;
-        voxel_fail(p->v, "a Piece of a part of the grid, expected one Piece of the whole");
-        XML_StopParser(p->parser, XML_FALSE);
-    }
-    p->piece = true;
+    g->piece = xgrown(g->piece, g->n_pieces, sizeof *g->piece);
+    struct xml_piece *piece = &g->piece[g->n_pieces++];
+    *piece = (struct xml_piece){.source = NULL};
+    reals(p, "Extent", attribute(a, "Extent", ""), 6, piece->extent);
+    if (p->list) piece->source = xstrdup(attribute(a, "Source", ""));
 }
 
 static struct voxel_type type_of(const char *name)
@@ -123,15 +117,17 @@ static void open_array(struct parsing *p, const char **a)
 {
     const char *format = attribute(a, "format", "ascii");
     int64_t components = 0, offset = 0;
-    if (p->n == ARRAYS_MAX) fail(p, "a DataArray", "10000 at most");
+    struct xml_grid *g = p->grid;
+    if (g->n == ARRAYS_MAX) fail(p, "a DataArray", "20000 at most");
     if (!parse_int(attribute(a, "NumberOfComponents", "1"), 1, VOXEL_NODES_MAX, &components))
         fail(p, attribute(a, "NumberOfComponents", ""), "NumberOfComponents, 1 or more");
     if (!parse_int(attribute(a, "offset", "0"), 0, INT64_MAX, &offset))
         fail(p, attribute(a, "offset", ""), "an offset in bytes");
     if (p->failed) return;
-    p->at = xgrown(p->at, p->n, sizeof *p->at);
-    struct element *e = &p->at[p->n++];
-    *e = (struct element){.where = p->where,
+    g->at = xgrown(g->at, g->n, sizeof *g->at);
+    struct xml_array *e = &g->at[g->n++];
+    *e = (struct xml_array){.where = p->where,
+        .piece = g->n_pieces - 1,
         .type = type_of(attribute(a, "type", "")),
         .components = (uint64_t)components,
         .offset = (uint64_t)offset,
@@ -162,10 +158,10 @@ static void XMLCALL opened(void *ctx, const char *name, const char **a)
     else if (p->depth == 2 && strcmp(name, "AppendedData") == 0) open_appended(p, a);
     else if (p->depth == 2) open_grid(p, a);
     else if (p->depth == 3 && strcmp(name, "Piece") == 0) open_piece(p, a);
-    else if (p->depth == 4 && strcmp(name, "PointData") == 0) p->where = POINTS;
-    else if (p->depth == 4 && strcmp(name, "CellData") == 0) p->where = CELLS;
-    else if (p->depth == 4 && strcmp(name, "Coordinates") == 0) p->where = AXES;
-    else if (p->depth == 5 && p->where != OUTSIDE && strcmp(name, "DataArray") == 0)
+    else if (p->depth == 4 && strcmp(name, "PointData") == 0) p->where = XML_POINTS;
+    else if (p->depth == 4 && strcmp(name, "CellData") == 0) p->where = XML_CELLS;
+    else if (p->depth == 4 && strcmp(name, "Coordinates") == 0) p->where = XML_AXES;
+    else if (p->depth == 5 && p->where != XML_OUTSIDE && strcmp(name, "DataArray") == 0)
         open_array(p, a);
 }
 
@@ -174,7 +170,7 @@ static void XMLCALL closed(void *ctx, const char *name)
     struct parsing *p = ctx;
     (void)name;
     if (p->inside == p->depth) p->inside = 0;
-    if (p->depth == 4) p->where = OUTSIDE;
+    if (p->depth == 4) p->where = XML_OUTSIDE;
     p->depth--;
 }
 
@@ -182,7 +178,7 @@ static void XMLCALL texts(void *ctx, const char *text, int n)
 {
     struct parsing *p = ctx;
     if (!p->inside || p->depth != p->inside) return;
-    struct element *e = &p->at[p->n - 1];
+    struct xml_array *e = &p->grid->at[p->grid->n - 1];
     int i = 0;
     while (i < n && strchr(" \t\r\n", text[i])) i++;
     if (i == n) return;
@@ -198,9 +194,9 @@ static void XMLCALL declared(
     fail(ctx, "DOCTYPE", "no declarations");
 }
 
-/* ---- the grid -------------------------------------------------------------------------------- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
-static bool source_of(struct parsing *p, const struct element *e, struct voxel_source *s)
+static bool find_numbers(struct parsing *p, struct xml_array *e)
 {
     struct voxel *v = p->v;
     if (e->appended && (!p->appended || e->offset > v->n_bytes - p->appended))
@@ -209,69 +205,15 @@ static bool source_of(struct parsing *p, const struct element *e, struct voxel_s
             "within it",
             e->name);
     const size_t begin = e->appended ? p->appended + (size_t)e->offset : e->begin;
-    *s = (struct voxel_source){.p = v->bytes + begin,
+    e->source = (struct voxel_source){.p = v->bytes + begin,
         .n = (e->appended ? v->n_bytes : e->end) - begin,
         .packing = e->text ? VOXEL_TEXT : VOXEL_BLOCKS,
         .big = p->big,
         .base64 = e->appended ? p->base64 : true,
         .packed = p->packed,
-        .word = p->word};
-    return true;
-}
-
-static bool read_axis(struct parsing *p, int axis, const struct element *e)
-{
-    struct voxel *v = p->v;
-    struct voxel_source s;
-    struct voxel_row row = {.p = NULL};
-    if (!e->type.size || e->components != 1)
-        return voxel_fail(v, "coordinates of another type, expected numbers");
-    bool good = source_of(p, e, &s) && voxel_unpack(v, &s, e->type, v->n[axis], &row);
-    if (good) v->at[axis] = xmalloc(v->n[axis], sizeof *v->at[axis]);
-    for (uint32_t i = 0; good && i < v->n[axis]; i++)
-        v->at[axis][i] = voxel_decode(row.p + (size_t)i * row.type.size, row.type, row.big);
-    buf_free(&row.own);
-    return good;
-}
-
-static bool read_axes(struct parsing *p)
-{
-    int axis = 0;
-    for (size_t i = 0; i < p->n; i++)
-        if (p->at[i].where == AXES && axis < 3 && !read_axis(p, axis++, &p->at[i])) return false;
-    return axis == 3 || voxel_fail(p->v, "%d arrays of coordinates, expected 3", axis);
-}
-
-/* Node 0 0 0 has the origin, also where the extent begins elsewhere. */
-static void place(struct parsing *p)
-{
-    struct voxel *v = p->v;
-    for (int k = 0; k < 3; k++) {
-        v->origin[k] = p->origin[k];
-        for (int i = 0; i < 3; i++) {
-            v->step[i][k] = p->direction[3 * k + i] * p->spacing[i];
-            v->origin[k] += v->step[i][k] * p->extent[2 * i];
-        }
-    }
-}
-
-static bool take(struct parsing *p)
-{
-    struct voxel *v = p->v;
-    v->line = 0;
-    if (!p->piece) return voxel_fail(v, "no Piece, expected one");
-    for (int i = 0; i < 3; i++) {
-        const double n = p->extent[2 * i + 1] - p->extent[2 * i] + 1;
-        if (!voxel_set_nodes(v, i, n >= 0 && n < 1e9 ? (int64_t)n : 0)) return false;
-    }
-    place(p);
-    if (p->rectilinear && !read_axes(p)) return false;
-    for (size_t i = 0; i < p->n; i++) {
-        const struct element *e = &p->at[i];
-        if (e->where == AXES || !e->type.size) continue;
-        struct voxel_array *a = voxel_add(v, e->name, e->type, e->components, e->where == CELLS);
-        if (!source_of(p, e, &a->at)) return false;
-    }
+        .word = p->word,
+        .name = v->name,
+        .file = v->bytes};
     return true;
 }
 
@@ -291,16 +233,47 @@ static bool parse(struct parsing *p)
     return voxel_fail(v, "%s, expected XML of VTK", XML_ErrorString(XML_GetErrorCode(p->parser)));
 }
 
-bool voxel_read_xml(struct voxel *v)
+/* Adds the pieces and arrays of the file. */
+static bool read_one(struct voxel *v, bool listed, struct xml_grid *g)
 {
-    struct parsing p = {.v = v, .parser = XML_ParserCreate(NULL)};
+    struct parsing p = {
+        .v = v, .grid = g, .listed = listed, .first = g->n, .parser = XML_ParserCreate(NULL)};
     if (!p.parser) die(ST_SYSTEM, "no memory to parse");
     XML_SetUserData(p.parser, &p);
     XML_SetElementHandler(p.parser, opened, closed);
     XML_SetCharacterDataHandler(p.parser, texts);
     XML_SetStartDoctypeDeclHandler(p.parser, declared);
-    const bool good = parse(&p) && take(&p);
+    bool good = parse(&p);
     XML_ParserFree(p.parser);
-    free(p.at);
+    v->line = 0;
+    for (size_t i = p.first; good && i < g->n; i++) good = find_numbers(&p, &g->at[i]);
+    return good;
+}
+
+/* Reads the file of a piece of a list. */
+static bool read_listed(struct voxel *v, const char *name, struct xml_grid *g)
+{
+    struct voxel one = *v;
+    struct buf bytes = {.data = NULL};
+    if (!voxel_beside(v, name, &bytes)) return false;
+    v->piece = xgrown(v->piece, v->n_pieces, sizeof *v->piece);
+    v->piece[v->n_pieces++] = (struct voxel_file){xstrdup(name), bytes};
+    one.name = v->piece[v->n_pieces - 1].name;
+    one.bytes = buf_data(&bytes);
+    one.n_bytes = buf_size(&bytes);
+    return read_one(&one, true, g);
+}
+
+bool voxel_read_xml(struct voxel *v)
+{
+    struct xml_grid g = {.piece = NULL};
+    bool good = read_one(v, false, &g);
+    const size_t listed = g.n_pieces;
+    for (size_t i = 0; good && i < listed; i++)
+        if (g.piece[i].source) good = read_listed(v, g.piece[i].source, &g);
+    good = good && voxel_take_xml(v, &g);
+    for (size_t i = 0; i < g.n_pieces; i++) free(g.piece[i].source);
+    free(g.piece);
+    free(g.at);
     return good;
 }
