@@ -358,6 +358,13 @@ shining() {
 is 'a light of Collada fades by centimetres' "$(shining '0.5 0.25 0')" '0.61349696 0.30674848 0'
 is 'a stronger one is in units of a program' "$(shining '500 250 0')" '1 0.5 0'
 
+# Blender's lamps are in watts, its suns in watts per square metre: here 1 of both at the centre, which is sqrt(81.5) m away.
+sed "s|<up_axis>|<contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>&|
+	s|<library_cameras>|<library_lights><light id='w'><technique_common><point><color>1024.16 1024.16 1024.16</color></point></technique_common></light>\
+	<light id='u'><technique_common><directional><color>1 1 1</color></directional></technique_common></light></library_lights>&|
+	s|<instance_camera url=\"#c\"/>|<instance_light url=\"#w\"/><instance_light url=\"#u\"/>|" y.dae >blender.dae
+is 'a lamp of Blender beside a sun' "$(mesh2nff blender.dae 2>/dev/null | sed -n 's/^l //p' | cut -d' ' -f4 | xargs printf '%.4f ')" '0.5000 0.5000 '
+
 # ---- the view that fits --------------------------------------------------------------------------------------
 # extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge
 extent() {
@@ -524,7 +531,7 @@ f 0.57758045 0.12743768 0.031896032 1 0 0 0 1'
 fi
 like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials with textures besides the base colour's: 1, written without them"
 sed 's/"TEXCOORD_0": 1/"TEXCOORD_0": 0, "TEXCOORD_1": 1/g; s/{"offset"/{"texCoord": 1, "offset"/' textured.gltf >chosen.gltf
-is '-t: texture coordinates that KHR_texture_transform chooses' "$(mesh2nff -t chosen.gltf 2>err | grep '^f' | sed -n 2p)" 'f 1 1 1 1 0 0 0 1'
+is '-t: texture coordinates that KHR_texture_transform chooses' "$(mesh2nff -t chosen.gltf 2>err | grep '^f ' | sed -n 2p)" 'f 1 1 1 1 0 0 0 1'
 sed 's/quarters.png/none.png/I' textured.mtl >wide.mtl
 like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
 	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"

@@ -9,6 +9,7 @@
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
+#define PI 3.14159265358979323846
 #define MESH_COORDINATE_MAX 1e12  /* leaves room for far lights within NFF's 1e18 */
 #define MESH_CORNERS_MAX 1000000U /* of a face; NFF has no larger polygon */
 #define MESH_FACES_MAX 100000000U
@@ -240,6 +241,8 @@ void mesh_losses_find(struct mesh *m);
 struct mesh_frame mesh_axes(struct mesh *m);
 /* True if the name of libassimp's reader begins with this. */
 bool mesh_is_read_by(const struct mesh *m, const char *name);
+/* True if Blender wrote an FBX or Collada: lamps are in watts, suns in watts per square metre. */
+bool mesh_is_in_watts(const struct mesh *m);
 /* True if the file is glTF 2, whose lights have physical units. */
 bool mesh_is_gltf(const struct mesh *m);
 /* glTF 1, whose cameras libassimp turns backwards. */
