@@ -358,6 +358,13 @@ shining() {
 is 'a light of Collada fades by centimetres' "$(shining '0.5 0.25 0')" '0.61349696 0.30674848 0'
 is 'a stronger one is in units of a program' "$(shining '500 250 0')" '1 0.5 0'
 
+# Blender's lamps are in watts, its suns in watts per square metre: here 1 of both at the centre, which is sqrt(81.5) m away.
+sed "s|<up_axis>|<contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>&|
+	s|<library_cameras>|<library_lights><light id='w'><technique_common><point><color>1024.16 1024.16 1024.16</color></point></technique_common></light>\
+	<light id='u'><technique_common><directional><color>1 1 1</color></directional></technique_common></light></library_lights>&|
+	s|<instance_camera url=\"#c\"/>|<instance_light url=\"#w\"/><instance_light url=\"#u\"/>|" y.dae >blender.dae
+is 'a lamp of Blender beside a sun' "$(mesh2nff blender.dae 2>/dev/null | sed -n 's/^l //p' | cut -d' ' -f4 | xargs printf '%.4f ')" '0.5000 0.5000 '
+
 # ---- the view that fits --------------------------------------------------------------------------------------
 # extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge
 extent() {
@@ -523,6 +530,8 @@ f 1 1 1 1 0 0 0 1
 f 0.57758045 0.12743768 0.031896032 1 0 0 0 1'
 fi
 like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials with textures besides the base colour's: 1, written without them"
+sed 's/"TEXCOORD_0": 1/"TEXCOORD_0": 0, "TEXCOORD_1": 1/g; s/{"offset"/{"texCoord": 1, "offset"/' textured.gltf >chosen.gltf
+is '-t: texture coordinates that KHR_texture_transform chooses' "$(mesh2nff -t chosen.gltf 2>err | grep '^f ' | sed -n 2p)" 'f 1 1 1 1 0 0 0 1'
 sed 's/quarters.png/none.png/I' textured.mtl >wide.mtl
 like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
 	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"
@@ -553,6 +562,11 @@ triangle_of='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
 	printf 'mtllib "other.MTL" "my lib.mtl"\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n' >quoted.obj
 	printf 'mtllib my lib.mtl other.MTL\n'"$triangle_of"'usemtl other\nf 1 2 3\n' >two.obj
 	printf 'mtllib Other.mtl\n'"$triangle_of"'usemtl other\nf 1 2 3\n' >cased.obj
+	printf 'NEWMTL my paint\nKD 0.5 0.25 0.125\nD -halo 0.5\n' >capitals.mtl
+	printf 'mtllib capitals.mtl\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n' >capitals.obj
+	printf 'newmtl my paint\nd -halo 0.5\n' >halo.mtl
+	printf 'mtllib halo.mtl\n'"$triangle_of"'usemtl my paint\nf 1 2 3\n' >halo.obj
+	printf 'v 0 0 0 1 0 0 0.5\nv 1 0 0 1 0 0 1\nv 0 1 0 1 0 0 1\nf 1 2 3\n' >alpha.obj
 	printf "$triangle_of"'vt 0 0\nf 1/1/ 2/1/ 3/1/\n' >slashes.obj
 	printf "$triangle_of"'f 1 2 3' >unended.obj
 	printf 'g a b c\n'"$triangle_of"'s off\nf 1 2 3\n' >groups.obj
@@ -580,6 +594,16 @@ printf '%s 255 0 0\n' '0 0 0' '1 0 0' '0 1 0'; echo '3 0 1 2'; } >wide.ply
 # The first number begins with a byte 10.
 { sed 's/big/little/; /^end_header/q' big.ply; packed 'C4' 10 0 0 63; packed 'f<8' 0 0 1 0 0 0 1 0; packed 'Cl<3' 3 0 1 2; } >ten.ply
 { packed 'A80 L<' 'solid made by a program' 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 0; } >solid.stl
+{ cat solid.stl; echo more; } >more.stl
+sed '/^facet normal 0 0 0/,/^endfacet/d; s/1\.5/1/' text.stl | tr '[:lower:]' '[:upper:]' >upper.stl
+# magics HEADER COLOUR: a facet
+magics() { packed 'a80 L<' "$1" 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 "$2"; }
+magics "COLOR=$(printf '\001\377\001\377')" 31 >own.stl
+magics "COLOR=$(printf '\001\377\001\377')" 32799 >whole.stl
+magics "COLOR=$(printf '\001\377\001\377,MATERIAL=\377\001\001\377')" 0 >material.stl
+{ sed '/^element face/,$d' big.ply; printf '%s\n' 'element face 1' 'property list uchar int vertex_index' end_header; } | sed '
+	s/binary_big_endian/ascii/; s/^element vertex 3/element list 1\nproperty list uchar int of\n&/' >lists.ply
+printf '%s\n' '1 5' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' >>lists.ply
 values=$({ packed 'f<9 S<3 x2' 0 0 0 1 0 0 0 9 0 0 1 2; packed 'S< x2 f<3' 2 0 1 0; } | base64 -w 0)
 cat >sparse.gltf <<END
 {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -600,6 +624,12 @@ sed 's/"asset"/"extensionsUsed": ["KHR_materials_unlit", "EXT_mesh_gpu_instancin
 printf '%s' "$values" | base64 -d >'my numbers.bin'
 sed 's/"uri": "[^"]*"/"uri": "my%20numbers.bin"/' sparse.gltf >uri.gltf
 sed 's/"POSITION": 0}/"POSITION": 0, "COLOR_0": 0}/' sparse.gltf >three.gltf
+sed 's/{"mesh": 0}/{"mesh": 0, "skin": 0}, {"name": "joint"}/; s/"asset"/"skins": [{"joints": [1]}], &/
+	s/"POSITION": 0}/"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3}/
+	s/"type": "SCALAR"}/&, {"componentType": 5121, "count": 3, "type": "VEC4"}, {"componentType": 5126, "count": 3, "type": "VEC4"}/' \
+	sparse.gltf >skin.gltf
+sed 's/"asset"/"extensionsUsed": ["KHR_materials_volume"], &/; s/"pbrM/"extensions": {"KHR_materials_volume": \
+	{"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.5]}}, &/' sparse.gltf >volume.gltf
 while IFS='|' read -r name wanted; do
 	run mesh2nff "$name"
 	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
@@ -608,6 +638,8 @@ quantized.gltf|2:mesh2nff: quantized.gltf: requires 'KHR_mesh_quantization', whi
 required.gltf|2:mesh2nff: required.gltf: requires 'EXT_one', which libassimp does not read, expected a glTF without
 instanced.gltf|0:mesh2nff: instanced.gltf: extensions of glTF that hide nodes or repeat meshes: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 uri.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+skin.gltf|0:mesh2nff: skin.gltf: meshes with bones: 1, written as they restf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+volume.gltf|0:mesh2nff: volume.gltf: materials whose inside absorbs light: 1, written as if it did notf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 three.gltf|0:mesh2nff: three.gltf: meshes with colours at their vertices: 1, each face has their meanf 0.32258064 0.32258064 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 folder.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 named.obj|0:mesh2nff: named.obj: names of materials that are in no file: 1, their faces are greyf 0.6 0.6 0.6 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -623,6 +655,9 @@ blanks.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 comments.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 behind.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 quoted.obj|0:f 0.5 0.25 0.125 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+capitals.obj|0:f 0.5 0.25 0.125 0.5 0 0 0.5 1;p 3 0 0 0 1 0 0 0 1 0;
+halo.obj|0:f 0.6 0.6 0.6 0.5 0 0 0.5 1;p 3 0 0 0 1 0 0 0 1 0;
+alpha.obj|0:mesh2nff: alpha.obj: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 two.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 cased.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 negative.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -637,6 +672,12 @@ an object.obj|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 far.obj|0:mesh2nff: far.obj: meshes so far from their origin that libassimp's single precision may move corners by 1/20000 of the extent or more: 1, written as they are readf 1 1 1 1 0 0 0 1;p 3 1000000 1000000 0 1000001 1000000 0 1000000 1000001 0;
 big.ply|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 solid.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+more.stl|0:mesh2nff: more.stl: bytes behind the facets of an STL: 5, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+upper.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+own.stl|0:mesh2nff: own.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+whole.stl|0:mesh2nff: whole.stl: meshes with colours at their vertices: 1, each face has their meanf 0 1 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+material.stl|0:mesh2nff: material.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+lists.ply|2:mesh2nff: lists.ply: PLY with a list before its vertices, expected element vertex first
 sparse.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 beyond.obj|2:mesh2nff: beyond.obj: libassimp: OBJ: vertex index out of range, expected a mesh in one of its formats
 zeroth.obj|2:mesh2nff: zeroth.obj: libassimp: OBJ: Invalid face index, expected a mesh in one of its formats

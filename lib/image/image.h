@@ -34,9 +34,10 @@ bool image_format_of(const char *path, enum image_format *format);
 /*
  * Reads a PNG (any kind), PAM, PPM, PGM or PFM, recognised by content; "-" is standard input. A PNG
  * with an sRGB chunk holds sRGB. With gAMA alone, its samples are a power of light, also that of
- * 1/2.2: POV-Ray and others write the sRGB chunk if they mean sRGB. Without either, and in PNM,
- * samples of up to 8 bits hold sRGB, and others linear light. Returns 0, or -1 with "what, expected
- * what" in err and nothing allocated.
+ * 1/2.2: POV-Ray and others write the sRGB chunk if they mean sRGB. A cICP goes before both, and
+ * must say sRGB or linear light. Without any, and in PNM, samples of up to 8 bits hold sRGB, and
+ * others linear light, but 16 bits with a profile are refused. Returns 0, or -1 with "what,
+ * expected what" in err and nothing allocated.
  */
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
 /* Reads n bytes in memory. */

@@ -28,6 +28,8 @@ struct reader {
     unsigned char *rows; /* one row, or all rows if interlaced */
     unsigned char *rgba; /* a row of a palette's colours */
     double curve;        /* of the samples; CURVE_UNSTATED: no chunk states it */
+    bool coded;          /* a cICP states it, which goes before all others */
+    bool profile;        /* an iCCP states it, which is not read */
     bool clear;          /* a chunk states alpha */
     struct sampler sampler;
     const struct image_part *part;
@@ -82,9 +84,14 @@ static void read_header(struct reader *r)
     bool alpha = png_get_color_type(r->png, r->info) & PNG_COLOR_MASK_ALPHA;
     if (r->clear && !alpha && !png_get_valid(r->png, r->info, PNG_INFO_tRNS))
         png_error(r->png, "a tRNS chunk that does not fit");
-    if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) /* also by a profile that libpng knows */
+    if (!r->coded &&
+        png_get_valid(r->png, r->info, PNG_INFO_sRGB)) /* also by a profile that libpng knows */
         r->curve = CURVE_SRGB;
     bool deep = png_get_bit_depth(r->png, r->info) == 16;
+    if (r->curve == CURVE_UNSTATED && deep && r->profile) {
+        image_fail(r->err, "16 bits whose curve only a profile states, expected sRGB or gAMA");
+        png_longjmp(r->png, 1);
+    }
     if (r->curve == CURVE_UNSTATED && !sampler_curve(r->part, deep, &r->curve, r->err))
         png_longjmp(r->png, 1);
     sampler_init(&r->sampler, deep ? 65535 : 255, r->curve);
@@ -147,20 +154,33 @@ static size_t chunks_end(const unsigned char *p, size_t n)
     return 0;
 }
 
+/* The curve that a cICP states, by ITU-T H.273. False with a message if it is another. */
+static bool take_code(struct reader *r, const unsigned char *p, size_t n, double *curve)
+{
+    static const char why[] = "PNG with cICP of another curve, expected sRGB or linear light";
+    const int code = n == 4 ? p[1] : -1;
+    if (code != 13 && code != 8) return image_fail(r->err, why) == 0;
+    *curve = code == 13 ? CURVE_SRGB : 1.0;
+    return r->coded = true;
+}
+
 /*
- * Finds the chunks that state what samples mean: sRGB, or else gAMA, which is 100000 times the
- * exponent from light to sample, and tRNS. libpng leaves out those that contradict other chunks,
- * such as a damaged profile. False with a message if a gAMA is no exponent.
+ * Finds the chunks that state what samples mean: cICP, or else sRGB, or else gAMA, which is 100000
+ * times the exponent from light to sample, and tRNS. libpng leaves out those that contradict other
+ * chunks, such as a damaged profile. False with a message if a gAMA is no exponent.
  */
 static bool find_statements(struct reader *r)
 {
     const unsigned char *p = r->p;
     bool srgb = false;
+    double coded = CURVE_UNSTATED;
     r->curve = CURVE_UNSTATED;
     for (size_t at = SIGNATURE, data; at < r->n; at += AROUND + data) {
         data = png_get_uint_32(p + at);
         srgb |= is_chunk(p + at, "sRGB");
         r->clear |= is_chunk(p + at, "tRNS");
+        r->profile |= is_chunk(p + at, "iCCP");
+        if (is_chunk(p + at, "cICP") && !take_code(r, p + at + 8, data, &coded)) return false;
         if (!is_chunk(p + at, "gAMA")) continue;
         uint32_t gamma = data == 4 ? png_get_uint_32(p + at + 8) : 0;
         const double curve = gamma == PNG_GAMMA_LINEAR ? 1.0 : 1.0 * PNG_GAMMA_LINEAR / gamma;
@@ -170,6 +190,7 @@ static bool find_statements(struct reader *r)
         r->curve = curve;
     }
     if (srgb) r->curve = CURVE_SRGB;
+    if (r->coded) r->curve = coded;
     return true;
 }
 

@@ -19,10 +19,21 @@ static const struct aiMetadataEntry *entry(
     return NULL;
 }
 
+static bool begins(const struct mesh *m, const char *key, const char *name)
+{
+    const struct aiMetadataEntry *e = entry(m, key, AI_AISTRING);
+    return e && strncmp(((const struct aiString *)e->mData)->data, name, strlen(name)) == 0;
+}
+
 bool mesh_is_read_by(const struct mesh *m, const char *name)
 {
-    const struct aiMetadataEntry *e = entry(m, "SourceAsset_Format", AI_AISTRING);
-    return e && strncmp(((const struct aiString *)e->mData)->data, name, strlen(name)) == 0;
+    return begins(m, "SourceAsset_Format", name);
+}
+
+bool mesh_is_in_watts(const struct mesh *m)
+{
+    return begins(m, "SourceAsset_Generator", "Blender") &&
+           (mesh_is_read_by(m, "Autodesk FBX") || mesh_is_read_by(m, "Collada"));
 }
 
 /* Sets a row to the file's axis, with its sign. False if the file does not state it. */

@@ -75,68 +75,37 @@ static bool is_bad_colour(const char *line, const char *name)
     return false;
 }
 
-/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. Notes
- * colours that libassimp passes over or reads wrong. */
-static bool has_strips(FILE *f, struct mesh *m)
+/* Of the line that declares an element: it has some. */
+static bool has_some(const char *line)
+{
+    const char *n = strrchr(line, ' ');
+    return n && n[strspn(n, " 0")] != '\0';
+}
+
+/*
+ * What libassimp cannot read: triangle strips, of which it keeps the last triangle alone, and lists
+ * before the vertices. Notes colours that it passes over or reads wrong.
+ */
+static const char *ply_fault(FILE *f, struct mesh *m)
 {
     char line[LINE_BYTES];
-    bool faces = false;
-    if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return false;
+    bool faces = false, some = false, vertices = false;
+    if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return NULL;
     while (next_line(f, line) && strncmp(line, "end_header", 10) != 0) {
-        if (declares_strips(line)) return true;
-        if (strncmp(line, "element", 7) == 0) faces = strncmp(line, "element face", 12) == 0;
+        if (declares_strips(line)) return "element tristrips, expected element face";
+        if (strncmp(line, "element", 7) == 0) {
+            faces = strncmp(line, "element face", 12) == 0, some = has_some(line);
+            vertices |= strncmp(line, "element vertex", 14) == 0;
+        }
+        if (some && !vertices && strncmp(line, "property list", 13) == 0)
+            return "a list before its vertices, expected element vertex first";
         const char *name = strrchr(line, ' ');
         if (!name || strncmp(line, "property", 8) != 0) continue;
         m->lost_colours |=
             (faces && strcmp(name, " red") == 0) || strcmp(name, " diffuse_red") == 0;
         m->bad_colours |= !faces && is_bad_colour(line, name);
     }
-    return false;
-}
-
-/* Extensions of glTF that may be required: libassimp reads them, or they change looks alone. */
-static bool is_read(const char *extension)
-{
-    static const char *const begin[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
-        "MSFT_texture_", "KHR_lights_punctual", "KHR_draco_mesh_compression", "KHR_xmp"};
-    for (size_t i = 0; i < sizeof begin / sizeof *begin; i++)
-        if (strncmp(extension, begin[i], strlen(begin[i])) == 0) return true;
-    return false;
-}
-
-/* Those that may be used without being required, although other meshes are seen with them. */
-static bool is_lost(const char *extension)
-{
-    return strcmp(extension, "EXT_mesh_gpu_instancing") == 0 ||
-           strcmp(extension, "KHR_node_visibility") == 0;
-}
-
-/* Goes through the names of a list. Sets unread to a required extension that is not read. */
-static void take_extensions(struct mesh *m, char *list, bool required, char unread[ERR_WORD])
-{
-    char *name = strchr(list, '['), *end = name;
-    while (end && (name = strchr(end + 1, '"')) && (end = strchr(name + 1, '"'))) {
-        *end = '\0', name++;
-        if (required && !is_read(name)) err_word(unread, name, strlen(name));
-        if (!required) m->lost_extensions += is_lost(name);
-    }
-}
-
-static void read_extensions(struct mesh *m, FILE *f, char unread[ERR_WORD])
-{
-    char first[4], *part = NULL;
-    size_t room = 0, n = fread(first, 1, sizeof first, f);
-    const bool binary = n == 4 && memcmp(first, "glTF", 4) == 0;
-    *unread = '\0';
-    if (!binary && !memchr(first, '{', n)) return;
-    fseek(f, binary ? 20 : 0, SEEK_SET);
-    while (getdelim(&part, &room, ']', f) > 0) {
-        char *used = strstr(part, "\"extensionsUsed\"");
-        char *required = strstr(part, "\"extensionsRequired\"");
-        if (used) take_extensions(m, used, false, unread);
-        if (required) take_extensions(m, required, true, unread);
-    }
-    free(part);
+    return NULL;
 }
 
 /* Closes the file; NULL: it could not be opened. */
@@ -144,29 +113,27 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
     if (!f) return err_set(err, "%s", strerror(errno));
     char extension[ERR_WORD];
-    bool strips = has_strips(f, m);
+    const char *ply = ply_fault(f, m);
     rewind(f);
-    read_extensions(m, f, extension);
+    mesh_gltf_read(m, f, extension);
+    mesh_stl_find(m, f);
     rewind(f);
     m->lost_colours |= mesh_off_paints(f);
     fclose(f);
     if (*extension)
         return err_set(
             err, "requires %s, which libassimp does not read, expected a glTF without", extension);
-    return !strips || err_set(err, "PLY with element tristrips, expected element face");
+    return !ply || err_set(err, "PLY with %s", ply);
 }
 
 /* The suffix of a format that libassimp does not tell by its content; "": none of these. */
-static const char *hint(const unsigned char *data, size_t n)
+static const char *hint(const struct mesh *m, const unsigned char *data, size_t n)
 {
     size_t lead = 0; /* of OFF: what its corners have */
     while (lead < n && data[lead] && strchr("STCN4n", data[lead])) lead++;
     if (n - lead >= 3 && memcmp(data + lead, "OFF", 3) == 0) return "off";
     if (n >= 4 && memcmp(data, "glTF", 4) == 0) return "glb";
-    if (n < 84) return "";
-    uint64_t facets =
-        data[80] | (uint64_t)data[81] << 8 | (uint64_t)data[82] << 16 | (uint64_t)data[83] << 24;
-    return n == 84 + 50 * facets ? "stl" : "";
+    return m->stl ? "stl" : "";
 }
 
 static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES])
@@ -178,9 +145,9 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const unsigned char *data = buf_data(b);
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
-    char *mended = mesh_lines_mended(data, &n);
+    char *mended = mesh_bytes_mended(m, data, &n);
     if (mended) data = (const unsigned char *)mended;
-    m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
+    m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(m, data, n));
     free(mended);
     return m->scene || refused(err);
 }
@@ -206,7 +173,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
     if (!st.st_size) return err_set(err, "is empty, expected a mesh");
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
     if (!is_readable(m, fopen(path, "rb"), err)) return false;
-    m->scene = mesh_import(path);
+    m->scene = mesh_import(m);
     return m->scene || refused(err);
 }
 
@@ -298,6 +265,7 @@ void mesh_close(struct mesh *m)
 {
     if (m->scene) aiReleaseImport(m->scene);
     mesh_textures_free(m);
+    free(m->sets);
     free(m->parts);
     free(m->light_places);
     free(m->camera_places);

@@ -26,6 +26,13 @@ static double fading(const struct mesh *m, const struct aiLight *l, double dista
     return mesh_is_length(by) ? 1 / by : 1;
 }
 
+/* The same of a lamp in watts, as Blender takes them: it shines to all sides, an area to one. */
+static double spread(const struct aiLight *l, double distance_m)
+{
+    const double by = (l->mType == aiLightSource_AREA ? PI : 4 * PI) * distance_m * distance_m;
+    return mesh_is_length(by) ? 1 / by : 1;
+}
+
 /* Adds a light, if it shines. False if its numbers are unusable. */
 static bool add(
     struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *most, double *sum)
@@ -40,7 +47,8 @@ static bool add(
     } else {
         out.pos = mesh_frame_point(f, mesh_vec(l->mPosition));
         if (!mesh_is_place(out.pos)) return false;
-        fade = fading(m, l, v3_len(v3_sub(out.pos, centre(m))) / m->unit);
+        const double away = v3_len(v3_sub(out.pos, centre(m)));
+        fade = mesh_is_in_watts(m) ? spread(l, away) : fading(m, l, away / m->unit);
     }
     const struct aiColor3D *c = &l->mColorDiffuse;
     out.r = fmax(0, fade * (double)c->r);
@@ -53,7 +61,7 @@ static bool add(
     return true;
 }
 
-/* Candela, lux and watts become shares of the light at the centre. */
+/* Candela, lux and watts (per square metre) become shares of the light at the centre. */
 static void scale(struct mesh *m, double factor)
 {
     for (uint32_t i = 0; i < m->n_lights; i++) {
@@ -97,5 +105,8 @@ void mesh_lights_find(struct mesh *m)
         if (!add(m, l, &m->light_places[i].frame, &most, &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
     }
     if (!m->n_lights) add_two(m);
-    else scale(m, (mesh_is_gltf(m) || most > 1) && mesh_is_length(sum) ? 1 / sum : 1);
+    else {
+        const bool physical = mesh_is_gltf(m) || mesh_is_in_watts(m);
+        scale(m, (physical || most > 1) && mesh_is_length(sum) ? 1 / sum : 1);
+    }
 }

@@ -1,7 +1,8 @@
 /* mark: files through libassimp without what it does not read: the byte order mark that some
  * programs write first; in an OBJ numbers such as .5, whose corner it leaves out, blanks before
  * a word, comments behind numbers, blanks behind the name of a material library, quotes around
- * it, or a second name, and vertices with a colour behind others without; comments in an OFF;
+ * it, or a second name, vertices with an alpha, or with a colour behind others without; in an MTL
+ * words in another case, and -halo; comments in an OFF; capitals in an STL in text;
  * a byte 10 that the numbers of a PLY begin with, which it takes for a second end of the line. */
 #include "mesh/mesh_int.h"
 
@@ -38,8 +39,8 @@ static bool is_bare(const char *line, size_t i)
 
 /* What the lines of a file so far say of all. */
 struct lines {
-    bool begun, off, ply; /* there was a word; the first one is that of an OFF or PLY */
-    bool plain, coloured; /* OBJ: there are vertices without a colour, and with one */
+    bool begun, off, ply, stl; /* there was a word; the first one is that of an OFF, PLY or STL */
+    bool plain, coloured;      /* OBJ: there are vertices without a colour, and with one */
 };
 
 static size_t words_of(const char *line, size_t n)
@@ -61,20 +62,49 @@ static void note_line(struct lines *l, const char *line, size_t n)
         l->begun = true;
         l->off = strncmp(word + strspn(word, "STCN4n"), "OFF", 3) == 0;
         l->ply = strncasecmp(word, "ply", 3) == 0;
+        l->stl = strncasecmp(word, "solid", 5) == 0;
     }
     if (*word != 'v' || !strchr(" \t", word[1])) return;
     const size_t words = words_of(line, n);
     l->plain |= words == 4;
-    l->coloured |= words == 7;
+    l->coloured |= words == 7 || words == 8;
 }
 
 /* The bytes of a line that libassimp reads: without blanks before the words below, a comment behind
  * numbers, or blanks behind the name of a material library. The line's end follows them. */
 struct span {
     size_t from, to, end;
-    bool mtllib; /* the line names files of materials */
-    bool white;  /* the vertex needs a colour, because others have one */
+    const char *lead; /* stands before them, in the place of others; NULL: nothing */
+    bool lower;       /* an STL in capitals */
+    bool mtllib;      /* the line names files of materials */
+    bool white;       /* the vertex needs a colour, because others have one */
 };
+
+/* A word of an MTL in another case, or the -halo of its opacity. */
+static void take_mtl(struct span *s, const char *line, size_t lead, size_t n)
+{
+    static const char *const words[] = {"Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr", "Tf",
+        "illum", "newmtl", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (n != strlen(words[i]) || strncasecmp(line + lead, words[i], n) != 0) continue;
+        const size_t next = lead + n + strspn(line + lead + n, " \t");
+        const bool halo = strcmp(words[i], "d") == 0 && strncmp(line + next, "-halo", 5) == 0;
+        if (!halo && memcmp(line + lead, words[i], n) == 0) return;
+        s->lead = words[i];
+        s->from = halo ? next + 5 : lead + n;
+    }
+}
+
+/* The end of the seventh word of a line; n: it has no more than seven. */
+static size_t behind_seven(const char *line, size_t n)
+{
+    size_t at = 0;
+    for (int i = 0; i < 7 && at < n; i++) {
+        while (at < n && strchr(" \t", line[at])) at++;
+        while (at < n && !strchr(" \t\r\n#", line[at])) at++;
+    }
+    return at;
+}
 
 static struct span span_of(const char *line, size_t n, const struct lines *l)
 {
@@ -83,7 +113,7 @@ static struct span span_of(const char *line, size_t n, const struct lines *l)
         bool numbers;
     } words[] = {{"v", true}, {"vn", true}, {"vt", true}, {"f", true}, {"usemtl", false},
         {"mtllib", false}, {"newmtl", false}};
-    struct span s = {0, n, n, false, false};
+    struct span s = {.to = n, .end = n};
     const size_t lead = strspn(line, " \t"), word = strcspn(line + lead, " \t\r\n");
     while (s.end > 0 && (line[s.end - 1] == '\n' || line[s.end - 1] == '\r')) s.end--;
     s.to = s.end;
@@ -96,7 +126,10 @@ static struct span span_of(const char *line, size_t n, const struct lines *l)
         if (comment) s.to = (size_t)(comment - line);
         while (!words[i].numbers && strchr(" \t", line[s.to - 1])) s.to--;
         s.white = i == 0 && l->plain && l->coloured && words_of(line, n) == 4;
+        if (i == 0 && words_of(line, n) == 8) s.to = behind_seven(line, s.to); /* its alpha */
     }
+    take_mtl(&s, line, lead, word);
+    s.lower = l->stl && word && line[lead] >= 'A' && line[lead] <= 'Z';
     const char *comment = l->off ? memchr(line, '#', s.end) : NULL;
     if (comment) s.to = (size_t)(comment - line);
     if (comment && !words_of(line, n)) s.to = 0, s.end = n; /* libassimp counts such lines */
@@ -126,7 +159,7 @@ static bool is_quote(const char *line, size_t i, const struct span *s)
 static bool is_odd(const char *line, size_t n, const struct lines *l)
 {
     const struct span s = span_of(line, n, l);
-    bool odd = s.from > 0 || s.to < s.end || s.white;
+    bool odd = s.from > 0 || s.to < s.end || s.white || s.lower;
     for (size_t i = s.from; i < s.to; i++)
         odd = odd || before(line, i, &s) || is_quote(line, i, &s);
     return odd;
@@ -167,6 +200,8 @@ static void copy_numbers(FILE *from, FILE *to)
     while ((n = fread(part, 1, sizeof part, from)) > 0) fwrite(part, 1, n, to);
 }
 
+static int lower(char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; }
+
 /* Copies a file with such lines mended. */
 static void copy_mended(FILE *from, FILE *to)
 {
@@ -182,10 +217,11 @@ static void copy_mended(FILE *from, FILE *to)
             break;
         }
         const struct span s = span_of(line, (size_t)n, &l);
+        if (s.lead) fputs(s.lead, to);
         for (size_t i = s.from; i < s.to; i++) {
             const char *more = before(line, i, &s);
             if (more) fputs(more, to);
-            if (!is_quote(line, i, &s)) putc(line[i], to);
+            if (!is_quote(line, i, &s)) putc(s.lower ? lower(line[i]) : line[i], to);
         }
         if (s.white) fputs(" 1 1 1", to);
         fwrite(line + s.end, 1, (size_t)n - s.end, to);
@@ -193,16 +229,32 @@ static void copy_mended(FILE *from, FILE *to)
     free(line);
 }
 
-char *mesh_lines_mended(const unsigned char *data, size_t *n)
+typedef void mender(FILE *from, FILE *to);
+
+/* What copies the file without what libassimp reads wrong; NULL: nothing has to. */
+static mender *mender_of(const struct mesh *m, FILE *f)
+{
+    char first[4];
+    rewind(f);
+    if (m->stl) return m->stl == MESH_STL_ODD ? mesh_stl_copy : NULL;
+    const size_t n = fread(first, 1, sizeof first, f);
+    if (m->skins && (memchr(first, '{', n) || (n == 4 && memcmp(first, "glTF", 4) == 0)))
+        return mesh_gltf_copy;
+    rewind(f);
+    return has_odd(f) ? copy_mended : NULL;
+}
+
+char *mesh_bytes_mended(const struct mesh *m, const unsigned char *data, size_t *n)
 {
     char *copy = NULL;
     FILE *from = *n ? fmemopen((void *)(uintptr_t)data, *n, "rb") : NULL;
     if (*n && !from) die(ST_SYSTEM, "memory:");
-    if (from && has_odd(from)) {
+    mender *copy_to = from ? mender_of(m, from) : NULL;
+    if (copy_to) {
         rewind(from);
         FILE *to = open_memstream(&copy, n);
         if (!to) die(ST_SYSTEM, "memory:");
-        copy_mended(from, to);
+        copy_to(from, to);
         if (fclose(to) != 0) die(ST_SYSTEM, "memory:");
     }
     if (from) fclose(from);
@@ -210,11 +262,11 @@ char *mesh_lines_mended(const unsigned char *data, size_t *n)
 }
 
 /* In the place of f, which is closed. */
-static FILE *mended_file(FILE *f)
+static FILE *mended_file(FILE *f, mender *copy_to)
 {
     FILE *copy = tmpfile();
     if (!copy) die(ST_SYSTEM, "a temporary file:");
-    copy_mended(f, copy);
+    copy_to(f, copy);
     fclose(f);
     if (fflush(copy) != 0) die(ST_SYSTEM, "a temporary file:");
     return copy;
@@ -263,13 +315,12 @@ static FILE *open_named(const char *path)
 
 static struct aiFile *open_source(struct aiFileIO *io, const char *path, const char *mode)
 {
-    (void)io;
     FILE *f = strchr(mode, 'w') ? NULL : open_named(path);
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
-    const bool odd = has_odd(f);
+    mender *copy_to = mender_of((const void *)io->UserData, f);
     rewind(f);
-    if (odd) f = mended_file(f);
+    if (copy_to) f = mended_file(f, copy_to);
     const long end = fseek(f, 0, SEEK_END) == 0 ? ftell(f) : 0;
     rewind(f);
     s->f = f;
@@ -287,8 +338,8 @@ static void close_source(struct aiFileIO *io, struct aiFile *file)
     free(s);
 }
 
-const struct aiScene *mesh_import(const char *path)
+const struct aiScene *mesh_import(const struct mesh *m)
 {
-    struct aiFileIO io = {open_source, close_source, NULL};
-    return aiImportFileEx(path, 0, &io);
+    struct aiFileIO io = {open_source, close_source, (void *)(uintptr_t)m};
+    return aiImportFileEx(m->path, 0, &io);
 }

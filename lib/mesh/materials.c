@@ -76,6 +76,15 @@ static struct material translate(const struct aiMaterial *m, bool bare)
     return out;
 }
 
+/* KHR_materials_volume: light loses colours on its way through. */
+static bool absorbs(const struct aiMaterial *m)
+{
+    struct vec3 c;
+    return real(m, "$mat.volume.thicknessFactor", 0) > 0 &&
+           real(m, "$mat.volume.attenuationDistance", 0) > 0 &&
+           colour(m, "$mat.volume.attenuationColor", &c) && fmin(c.x, fmin(c.y, c.z)) < 1;
+}
+
 static bool has_texture(const struct aiMaterial *m)
 {
     for (unsigned i = 0; i < m->mNumProperties; i++)
@@ -114,6 +123,7 @@ void mesh_materials_find(struct mesh *m)
         m->loss[LOSS_EMISSION].n +=
             colour(from, "$clr.emissive", &glow) && glow.x + glow.y + glow.z > 0;
         m->loss[LOSS_HOLES].n += has_alpha(from, "MASK", false);
+        m->loss[LOSS_GLASS].n += absorbs(from);
         m->loss[LOSS_METAL].n += real(from, "$mat.metallicFactor", 0) > 0;
     }
     free(used);

@@ -9,6 +9,7 @@
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
+#define PI 3.14159265358979323846
 #define MESH_COORDINATE_MAX 1e12  /* leaves room for far lights within NFF's 1e18 */
 #define MESH_CORNERS_MAX 1000000U /* of a face; NFF has no larger polygon */
 #define MESH_FACES_MAX 100000000U
@@ -23,6 +24,7 @@ enum mesh_loss_kind {
     LOSS_EMISSION,
     LOSS_METAL,
     LOSS_HOLES,
+    LOSS_GLASS,
     LOSS_COLOURS,
     LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
@@ -30,6 +32,7 @@ enum mesh_loss_kind {
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
+    LOSS_BYTES,
     LOSS_POINTS,
     LOSS_LINES,
     LOSS_CAMERAS,
@@ -120,6 +123,14 @@ struct mesh_texture {
     double scale[2], move[2];
 };
 
+/* Texture coordinates that KHR_texture_transform chooses for a material's base colour. */
+struct mesh_set {
+    uint32_t material, set;
+};
+
+/* Not of bytes; of bytes; and with what libassimp takes wrong. */
+enum mesh_stl { MESH_STL_NONE, MESH_STL_BYTES, MESH_STL_ODD };
+
 struct mesh {
     const struct aiScene *scene;
     const char *path; /* the caller's; pictures are looked for beside it */
@@ -147,6 +158,11 @@ struct mesh {
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
     /* What only the file says: */
+    enum mesh_stl stl;
+    uint64_t lost_bytes; /* of an STL, behind its facets */
+    unsigned skins;      /* nodes of glTF that have one */
+    struct mesh_set *sets;
+    size_t n_sets;
     bool lost_colours;        /* of a PLY or OFF: it has some that are not read */
     bool bad_colours;         /* of a PLY: libassimp reads them wrong */
     unsigned lost_extensions; /* of glTF, without which places are others */
@@ -180,12 +196,19 @@ void mesh_faces_each(const struct mesh *m, struct mesh_loss *loss,
 size_t mesh_bytes_marked(const unsigned char *data, size_t n);
 /* Has an OFF faces with a colour? */
 bool mesh_off_paints(FILE *f);
-/* A copy of *n bytes with lines mended that libassimp reads wrong, which the caller frees; NULL:
+/* Finds in an STL what m->stl says. Copies one that is odd in a way that libassimp reads. */
+void mesh_stl_find(struct mesh *m, FILE *f);
+void mesh_stl_copy(FILE *from, FILE *to);
+/* Finds skins, sets and lost extensions of a glTF. Sets unread to a required extension that is not
+ * read, or "". Copies a glTF without its skins. */
+void mesh_gltf_read(struct mesh *m, FILE *f, char unread[ERR_WORD]);
+void mesh_gltf_copy(FILE *from, FILE *to);
+/* A copy of *n bytes with parts mended that libassimp reads wrong, which the caller frees; NULL:
  * there are none. mark.c says which. */
-char *mesh_lines_mended(const unsigned char *data, size_t *n);
-/* aiImportFile, which passes over such a mark and mends such lines, also of the files that this one
+char *mesh_bytes_mended(const struct mesh *m, const unsigned char *data, size_t *n);
+/* aiImportFile, which passes over such a mark and mends such parts, also of the files that this one
  * names. Those may be there in another case. */
-const struct aiScene *mesh_import(const char *path);
+const struct aiScene *mesh_import(const struct mesh *m);
 /* A file that is there, and whose name differs in case at most, or has a byte where this one has
  * %XX; NULL: none. The caller frees it. */
 char *mesh_neighbour(const char *path);
@@ -218,6 +241,8 @@ void mesh_losses_find(struct mesh *m);
 struct mesh_frame mesh_axes(struct mesh *m);
 /* True if the name of libassimp's reader begins with this. */
 bool mesh_is_read_by(const struct mesh *m, const char *name);
+/* True if Blender wrote an FBX or Collada: lamps are in watts, suns in watts per square metre. */
+bool mesh_is_in_watts(const struct mesh *m);
 /* True if the file is glTF 2, whose lights have physical units. */
 bool mesh_is_gltf(const struct mesh *m);
 /* glTF 1, whose cameras libassimp turns backwards. */

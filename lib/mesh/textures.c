@@ -102,8 +102,9 @@ static bool take_transform(
     return by.mRotation == 0;
 }
 
-static void take(struct mesh *m, const struct aiMaterial *from, struct mesh_texture *t)
+static void take(struct mesh *m, unsigned i, struct mesh_texture *t)
 {
+    const struct aiMaterial *from = m->scene->mMaterials[i];
     struct aiString name;
     enum aiTextureType type = aiTextureType_BASE_COLOR;
     enum aiTextureMapping mapping = aiTextureMapping_UV;
@@ -112,6 +113,8 @@ static void take(struct mesh *m, const struct aiMaterial *from, struct mesh_text
     if (aiGetMaterialTexture(from, type, 0, &name, &mapping, &t->set, NULL, NULL, t->wrap, NULL) !=
         aiReturn_SUCCESS)
         return;
+    for (size_t k = 0; k < m->n_sets; k++)
+        if (m->sets[k].material == i) t->set = m->sets[k].set;
     if (mapping != aiTextureMapping_UV || !take_transform(from, type, t) ||
         t->set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
         m->loss[LOSS_MAPPINGS].n++;
@@ -140,7 +143,7 @@ void mesh_take_textures(struct mesh *m)
     for (unsigned i = 0; i < s->mNumMaterials; i++) {
         if (!used[i]) continue;
         struct mesh_texture *t = &m->textures[i];
-        take(m, s->mMaterials[i], t);
+        take(m, i, t);
         m->loss[LOSS_TEXTURES].n += has_others(s->mMaterials[i]);
         if (t->picture && t->picture->im.rgba) mesh_material_textured(&m->materials[i]);
     }

@@ -3,7 +3,6 @@
 
 #include <assimp/version.h>
 
-#define PI 3.14159265358979323846
 #define ROWS 512
 #define SIDE_MAX 65535
 #define FITTED_ANGLE 40 /* degrees */

@@ -263,6 +263,48 @@ static void test_damaged_png(void **state)
     }
 }
 
+/* Puts a chunk of at most 5 bytes behind IHDR. */
+static void insert(struct bytes *b, const char *name, const char *data, unsigned n)
+{
+    const size_t place = 33;
+    unsigned char chunk[17] = {0, 0, 0, (unsigned char)n};
+    memcpy(chunk + 4, name, 4);
+    memcpy(chunk + 8, data, n);
+    png_save_uint_32(chunk + 8 + n, (png_uint_32)crc32(0, chunk + 4, 4 + n));
+    b->p = realloc(b->p, b->n + sizeof chunk);
+    assert_non_null(b->p);
+    memmove(b->p + place + 12 + n, b->p + place, b->n - place);
+    memcpy(b->p + place, chunk, 12 + n);
+    b->n += 12 + n;
+}
+
+/* A cICP goes before other chunks. */
+static void test_curve_by_code(void **state)
+{
+    (void)state;
+    static const struct {
+        int stated, meant;
+        const char *code;
+    } table[] = {{-1, 100000, "\1\10\0\1"}, {100000, -1, "\1\15\0\1"}, {0, -1, "\14\15\0\1"}};
+    for (int depth = 8; depth <= 16; depth += 8)
+        for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+            struct kind k = {PNG_COLOR_TYPE_RGB, depth, 0, table[i].meant, false, 0};
+            struct bytes meant = make_png(&k);
+            k.gamma = table[i].stated;
+            struct bytes b = make_png(&k);
+            insert(&b, "cICP", table[i].code, 4);
+            struct image x, y;
+            char err[IMAGE_ERR];
+            assert_int_equal(decoded(meant, &x, err), 0);
+            assert_int_equal(decoded(b, &y, err), 0);
+            assert_memory_equal(x.rgba, y.rgba, (size_t)x.w * x.h * 4 * sizeof *x.rgba);
+            image_free(&x);
+            image_free(&y);
+            free(meant.p);
+            free(b.p);
+        }
+}
+
 /* What libpng leaves out, or makes black: it would change the light of samples. */
 static void test_statements_that_libpng_leaves_out(void **state)
 {
@@ -279,20 +321,14 @@ static void test_statements_that_libpng_leaves_out(void **state)
         unsigned n;
         const char *why;
     } bad[] = {{"gAMA", "\0\0\0\0", 4, "gAMA"}, {"gAMA", "\x80\0\0\0", 4, "gAMA"},
-        {"gAMA", "\0\x01\x86", 3, "gAMA"}, {"tRNS", "\1\2\3\4\5", 5, "tRNS"}};
-    const size_t place = 33; /* behind IHDR */
+        {"gAMA", "\0\x01\x86", 3, "gAMA"}, {"tRNS", "\1\2\3\4\5", 5, "tRNS"},
+        {"cICP", "\11\20\0\1", 4, "cICP"}, {"iCCP", "x\0\0\0\0", 5, "profile"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct bytes b = make_png(
-            &(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, bad[i].name[0] == 'g' ? 0 : 100000, false, 0});
-        unsigned char chunk[17] = {0, 0, 0, (unsigned char)bad[i].n};
-        memcpy(chunk + 4, bad[i].name, 4);
-        memcpy(chunk + 8, bad[i].data, bad[i].n);
-        png_save_uint_32(chunk + 8 + bad[i].n, (png_uint_32)crc32(0, chunk + 4, 4 + bad[i].n));
-        b.p = realloc(b.p, b.n + sizeof chunk);
-        assert_non_null(b.p);
-        memmove(b.p + place + 12 + bad[i].n, b.p + place, b.n - place);
-        memcpy(b.p + place, chunk, 12 + bad[i].n);
-        refuse(b.p, b.n + 12 + bad[i].n, bad[i].why);
+        const char first = bad[i].name[0];
+        struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, first == 'i' ? 16 : 8, 0,
+            first == 'g' || first == 'i' ? 0 : 100000, false, 0});
+        insert(&b, bad[i].name, bad[i].data, bad[i].n);
+        refuse(b.p, b.n, bad[i].why);
         free(b.p);
     }
 }
@@ -450,6 +486,7 @@ int main(void)
         cmocka_unit_test(test_png_chunks),
         cmocka_unit_test(test_png_of_every_kind),
         cmocka_unit_test(test_damaged_png),
+        cmocka_unit_test(test_curve_by_code),
         cmocka_unit_test(test_statements_that_libpng_leaves_out),
         cmocka_unit_test(test_statements_without_a_meaning),
         cmocka_unit_test(test_unstated_curves),
