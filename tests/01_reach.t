@@ -70,7 +70,7 @@ like 'an unknown kind is refused' "$status $err" '^2 usage: reach units'
 cd "$tmp" || exit 3
 mkdir -p small/tests/unit small/tests/soak small/tests/mutants small/lib/base && cd small || exit 3
 cp "$root/tests/check" "$root/tests/tap" "$root/tests/reach" "$root/tests/01_house.t" tests
-for test in 02_sanitized.t 02_analyzers.t 02_compilers.t 50_mutants.t 55_models.t 60_faults.t 72_ssh_faults.t 29_povworker.t \
+for test in 01_reach.t 02_sanitized.t 02_analyzers.t 02_compilers.t 50_mutants.t 55_models.t 60_faults.t 72_ssh_faults.t 29_povworker.t \
 	soak/damage.sh soak/kills.sh soak/restart.sh soak/come.sh soak/seeds.sh soak/load_ssh.sh soak/send_link.sh; do
 	printf '#!/bin/sh\necho "ok 1 - $FIRST"\necho 1..1\n' >tests/$test
 done
@@ -86,7 +86,7 @@ tries() {
 	run tests/check "$1"
 	is "$3" "$status $(cd build/tap && ls -- *.t *.sh 2>/dev/null | sed 's/[.].*//' | line)" "0 $2 "
 }
-reaching='02_analyzers 02_compilers 02_sanitized 50_mutants 55_models' behaviour='01_house 29_povworker 60_faults 72_ssh_faults'
+reaching='01_reach 02_analyzers 02_compilers 02_sanitized 50_mutants 55_models' behaviour='01_house 29_povworker 60_faults 72_ssh_faults'
 # Each kind has a name there.
 mkdir -p tests/fuzz tests/models bin build/unit && cp tests/55_models.t build/unit/test_a && echo '#include "base/base.h"' >tests/unit/test_a.c && : >tests/mutants/a && : >tests/models/ring.pml
 tries check "$behaviour" 'check: the tests of behaviour, and no others'
@@ -113,7 +113,7 @@ run tests/check reach
 is 'reach: after a pass there is nothing to do' "$status $(printf '%s\n' "$out" | tail -n 1)" '0 reach: these files reach no test'
 commit three
 printf '#!/bin/sh\n' >tests/new.sh
-tries reach 02_analyzers 'reach: a new script is analyzed'
+tries reach '01_reach 02_analyzers' 'reach: a new script reaches the test of this tool, and is analyzed'
 rm tests/new.sh && echo >>lib/base/clock.c && commit four
 tries reach '02_analyzers 02_compilers 02_sanitized 50_mutants' 'reach: a module'
 echo 0123456789012345678901234567890123456789 >tests/PASSED
