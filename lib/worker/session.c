@@ -52,12 +52,16 @@ int worker_announce(struct worker *w, const struct frame_size *f, char err[WORKE
     return 0;
 }
 
+/* A film has many frames of a state that does not fit: one message is enough. */
 void worker_fail(
     struct worker *w, struct buf *to, const struct task *t, const char *slot, const char *why)
 {
     struct worker_job *known = frames_extra(&w->frames, frames_find(&w->frames, t->frame));
-    if (!known->failed) warn("frame %" PRIu32 ": %s", t->frame, why);
+    char said[WORKER_ERR];
+    snprintf(said, sizeof said, "%.*s", (int)strcspn(why, ","), why);
+    if (!known->failed && strcmp(said, w->said) != 0) warn("frame %" PRIu32 ": %s", t->frame, why);
     known->failed = true;
+    memcpy(w->said, said, sizeof said);
     wire_failed(to, t, WIRE_REFUSED, why, slot);
     w->failed = true;
 }

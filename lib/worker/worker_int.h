@@ -35,6 +35,7 @@ struct worker {
     int64_t cpu_us;             /* used at the latest done or other record */
     bool failed;                /* a task could not be rendered */
     char refusal[WORKER_ERR];   /* why the latest state that did not fit was refused */
+    char said[WORKER_ERR];      /* and what a message said of one; without what the host may use */
     char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
