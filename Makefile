@@ -79,6 +79,7 @@ LIBS_grib2vtk = -leccodes $(LIBS_units) $(LIBS_plane)
 LIBS_backdrop = $(LIBS_units) $(LIBS_plane)
 LIBS_album = $(LIBS_units)
 LIBS_barbs = $(LIBS_units)
+LIBS_section = $(LIBS_plane)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_plane    = $(if $(PROJ),-lproj)
 LIBS_test_heights = $(LIBS_units)
@@ -111,6 +112,7 @@ ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk, grib2vtk and barbs convert no units, and backdrop computes no dates.
 UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 # Without this one, nc2vtk and grib2vtk find no places on planes of projection; backdrop and stormview draw no coasts there.
+# section refuses grids on them.
 PROJ    := $(if $(call lacks,proj.h,-),,libproj)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)

@@ -120,6 +120,7 @@ int main(int argc, char **argv)
                 (struct layer_point){g->at[0][0] + side[0] / 2 + (i - (n[0] - 1) / 2.) * step,
                     g->at[1][0] + side[1] / 2 + (j - (n[1] - 1) / 2.) * step},
                 globe, LENGTH * step);
+    printf("%s", backdrop_tail(g));
     for (int i = 0; i < 2; i++) {
         free(p[i].level);
         grid_free(&p[i].g);

@@ -83,6 +83,7 @@ int main(int argc, char **argv)
     if (o.has_z && !o.flat) printf("> height %.15g\n", o.z);
     for (size_t i = 0; i < o.n_values; i++)
         layer_isolines(&g, level, o.value[i], print, &o.value[i]);
+    printf("%s", backdrop_tail(&g));
     free(level);
     free(o.value);
     grid_free(&g);

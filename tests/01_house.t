@@ -32,7 +32,6 @@ html base
 album html image task base
 grid base os
 spec grid geometry base
-layer grid base
 volume simd grid spec geometry task base
 projection base
 cf projection units grid base
@@ -40,6 +39,7 @@ voxel grid base
 grib projection grid base
 units base
 plane projection base
+layer plane grid base
 convert units grid image base
 backdrop units plane grid spec geometry image base
 paint backdrop units plane spec grid geometry base os

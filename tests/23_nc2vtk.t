@@ -450,6 +450,8 @@ make_nc metres "$cube" "$axes x:units = \"km\"; $scalar" "$nodes $data"
 run nc2vtk -c metres.nc s
 is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is not a longitude in degrees'
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
+make_nc bounded "$cube nv = 2;" "$axes x:bounds = \"x_bnds\"; float x_bnds(x, nv); float other(y, nv); $scalar" "$nodes $data"
+is 'but no bounds' "$(nc2vtk -l bounded.nc | cut -f 1 | tr '\n' ' ')" '# /other /s '
 like '-i: so are they in the table' "$(nc2vtk -i curved.nc)" '^# /s	a curvilinear grid'
 
 make_nc winds "$cube" "$axes float u(z, y, x); u:units = \"m/s\"; float v(z, y, x); v:units = \"km/h\";" \

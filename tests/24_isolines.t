@@ -55,6 +55,7 @@ grid globe 'p [hPa]; x lon [degrees_east]; y lat [degrees_north]; z up [m]' 21 1
 is 'on the globe, that is the first line' "$(isolines globe.vtk | head -n 1)" '> globe'
 sed '2s/.*/p [hPa]; x x [m]; y y [m]; z up [m]; proj +proj=merc +R=6371229/' globe.vtk >plane.vtk
 is 'on a plane whose projection is known, that is said' "$(isolines plane.vtk | head -n 1)" '> plane'
+is 'and after the lines places are in degrees again' "$(isolines plane.vtk | tail -n 1; isolines cone.vtk | grep -c '> globe')" "$(printf '> globe\n0')"
 like 'on another one the first line is that of an isoline' "$(isolines cone.vtk | head -n 1)" '^> line '
 sed 's/^0 10$/-0.99500000476837158 -0.10000000149011612/' cone.vtk >digits.vtk
 is 'a height in the digits of the message is one of the grid' "$(for z in -.995 -0.1; do isolines -z $z -v 5 digits.vtk >lines && sed -n 1p lines; done)" \
@@ -162,6 +163,8 @@ if ldd "$BIN/barbs" | grep -q udunits; then
 		barbs -n 1 u.vtk v.vtk | awk 'NR == 3 { x = $1; y = $2 } NR == 4 { dx = x - $1; dy = y - $2 } NR == 6 { fx = $1 - x; fy = $2 - y }
 			END { printf "%.3f %s ", dx / dy, (dx * fy - dy * fx > 0) ? "left" : "right" }'
 	done)" '2.000 left 2.000 right '
+	for part in u v; do grid $part "$part [knots]; x x [m]; y y [m]; z up [m]; proj +proj=merc +R=6371229" 2 2 's = 10'; done
+	is 'after barbs on a plane places are in degrees again' "$(barbs u.vtk v.vtk | sed -n '1p;$p')" "$(printf '> plane\n> globe')"
 	for bad in 'u.vtk' 'u.vtk cone.vtk' 'u.vtk flat.vtk' '-z 11 u.vtk v.vtk' '-n 0 u.vtk v.vtk'; do
 		# shellcheck disable=SC2086
 		run barbs $bad
@@ -184,6 +187,17 @@ like 'its length' "$(gridspec section.vtk)" '^# x: 0 to 4604[.]5[0-9]* km'
 like 'gridspec: from the side, as a slice' "$(gridspec section.vtk | grep '^slice' | tr '\n' ,)" '^slice y [0-9.]* 1,$'
 section -l 0,1,5,1 -n 6 holed.vtk >section.vtk
 is 'a neighbour that does not count may be missing' "$(tail -c 97 section.vtk | od -An -tf4 --endian=big -w24 -N 24 | tr -s ' ')" ' 1 1 1 1 1 1'
+# Half a great circle from 0 E 60 N to 90 E 60 N, on a plane whose y is R ln tan (45 + lat / 2): 67.79 N is y = 10361 km.
+sed '2s/.*/T [K]; x x [km]; y y [km]; z up [m]; proj +proj=merc +R=6371000/' round.vtk |
+	awk '/^[XY]_/ { a = $1 } a && /^[0-9]/ { $0 = a ~ /X/ ? $1 * 120 : $1 * 120 + 5000 } /^Z_/ { a = "" } { print }' >plane.vtk
+if ldd "$BIN/section" | grep -q libproj; then
+	section -l 0,60,90,60 -n 3 plane.vtk >section.vtk
+	is 'on a plane whose projection is known places are in degrees, too, on the great circle' "$(tail -c 49 section.vtk | od -An -tf4 --endian=big -w12 -N 12 |
+		awk '{ for (i = 1; i <= 3; i++) printf "%.1f ", 2 * atan2(exp(($i * 120 + 5000) / 6371), 1) * 57.29578 - 90 }')" '60.0 67.8 60.0 '
+	is 'and the section has no projection' "$(sed -n 2p section.vtk)" 'T [K]; x distance [km]; y across [km]; z up [m]'
+	run section -l 0,60,90,10 plane.vtk
+	like 'a place outside is refused' "$status:$out:$err" '^2::section: -l: 90,10 is outside of the grid, expected longitude and latitude in it$'
+fi
 sed 's/^40$/39.9949989/' cone.vtk >edge.vtk
 section -l 1,1,39.995,1 -n 2 edge.vtk >section.vtk
 like 'a place in six digits of the edge is in the grid' "$(gridspec section.vtk)" '^# x: 0 to 38[.]995'

@@ -189,6 +189,11 @@ gridspec wet.vtk >wet.spec
 like 'a flat field below a grid' "$(grep -E '^(flat|ground)' wet.spec | sed -n '1p;2p' | paste -sd ' ' -)" '^flat 0 0.65 ground 0[.]0'
 gridspec land.vtk >land.spec
 is 'heights are a terrain' "$(grep -c ^flat land.spec) $(grep -c ^ground land.spec)" '0 9'
+is 'a ground of the grid is not cut' "$(grep -c ^clip land.spec)" 0
+sed '/^X_/{n;s/ /\n/g;}' hills.vtk | awk '/^X_/ { x = 1 } /^Y_/ { x = 0 } x && /^[0-9]/ { $1 = 1.5 * $1 - 10 } { print }' >wide.vtk
+cat air.vtk wide.vtk >outside.vtk
+gridspec outside.vtk >outside.spec
+like 'what is outside of the grid is cut off, at all heights' "$(grep ^clip outside.spec)" '^clip 0 0 -9000 80 40 18000$'
 ok 'both can be rendered' sh -c 'vcworker -i wet.vtk wet.spec && vcworker -i land.vtk land.spec'
 backdrop wet.vtk wet.spec >wet.gp
 like 'the legend names both' "$(cat wet.gp)" "'s, m/s .left.; s, mm .right.'"

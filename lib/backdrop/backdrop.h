@@ -45,6 +45,8 @@ bool backdrop_on_globe(const struct grid *g);
 /* The line before lines in the coordinates of g: "> globe", "> plane" if the plane is known, or "",
  * with a line's end. */
 const char *backdrop_head(const struct grid *g);
+/* The line after them: "> globe" if the plane is known, so that places may follow; or "". */
+const char *backdrop_tail(const struct grid *g);
 /* True if the maps of these grids are equal except for the time. */
 bool backdrop_alike(const struct grid *a, const struct grid *b);
 

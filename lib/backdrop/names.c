@@ -52,6 +52,11 @@ const char *backdrop_head(const struct grid *g)
     return grid_title_proj(g->title, proj) ? "> plane\n" : "";
 }
 
+const char *backdrop_tail(const struct grid *g)
+{
+    return strcmp(backdrop_head(g), "> plane\n") == 0 ? "> globe\n" : "";
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {

@@ -100,8 +100,8 @@ size_t cf_members(const struct cf_field *f);
 bool cf_looks_like_hectopascals(const struct cf_axis *z);
 bool cf_same_axes(const struct cf_field *a, const struct cf_field *b);
 
-/* Calls visit for all variables with at least two dimensions, of all groups, in file order, and
- * counts them. path is the variable's full name. */
+/* Calls visit for all variables with at least two dimensions, of all groups, in file order, but not
+ * for bounds of coordinates, and counts them. path is the variable's full name. */
 typedef void cf_visit(struct cf_file *c, int group, int id, const char *path, void *arg);
 bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, size_t *count, char err[ERR_BYTES]);
 

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#define CORNERS 8           /* of a cell, at most */
 #define PATH_MAX_BYTES 1024 /* bytes of a variable's full name, as printed */
 
 /*
@@ -152,6 +153,28 @@ bool cf_find(struct cf_file *c, const char *name, size_t n, struct cf_field *f, 
                : err_set(err, "no such variable, expected one that -l lists");
 }
 
+/* True if another variable of the group calls this one its bounds. Their last dimension counts
+ * corners, so most variables need no search. */
+static bool is_bounds(struct cf_file *c, int group, int id, const char *name)
+{
+    static const char *const how[] = {"bounds", "climatology"};
+    int n = 0, dims = 0, dim[NC_MAX_VAR_DIMS], coordinate;
+    size_t corners = 0;
+    char text[CF_TEXT];
+    if (nc_inq_var(group, id, NULL, NULL, &dims, dim, NULL) || dims < 2 ||
+        nc_inq_dim(group, dim[dims - 1], text, &corners) || corners > CORNERS ||
+        nc_inq_varid(group, text, &coordinate) == NC_NOERR)
+        return false;
+    cf_did(c, nc_inq_nvars(group, &n));
+    for (int of = 0; of < n; of++)
+        for (size_t k = 0; k < sizeof how / sizeof *how; k++) {
+            if (nc_inq_attid(group, of, how[k], NULL) != NC_NOERR) continue;
+            cf_text(c, group, of, how[k], text);
+            if (strcmp(text, name) == 0) return true;
+        }
+    return false;
+}
+
 static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg, size_t *count)
 {
     int n = 0, dims = 0;
@@ -164,7 +187,7 @@ static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg
     for (int id = 0; id < n; id++) {
         cf_did(c, nc_inq_var(group, id, name, NULL, &dims, NULL, NULL));
         snprintf(path + at, sizeof path - at, "/%s", name);
-        if (dims < 2) continue;
+        if (dims < 2 || is_bounds(c, group, id, name)) continue;
         ++*count;
         visit(c, group, id, path, arg);
     }

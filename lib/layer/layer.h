@@ -6,6 +6,7 @@
 #define STORMRING_LAYER_H
 
 #include "grid/grid.h"
+#include "plane/plane.h"
 
 /*
  * Sets *value to the field at height z, a coordinate of the grid: g->n[0] times g->n[1] values,
@@ -46,14 +47,20 @@ void layer_barb(const struct layer_barb *b, layer_line *line, void *ctx);
 /* The length of a line between two places: km on the great circle if x and y are longitude and
  * latitude, otherwise that of the straight line, in the grid's unit. */
 double layer_length(struct layer_point a, struct layer_point b, bool globe);
-/* True if the grid has this place, after whole circles. */
-bool layer_inside(const struct grid *g, struct layer_point p, bool globe);
+/* What places are, and where they are in a grid. */
+struct layer_on {
+    bool globe;                /* longitude and latitude; otherwise x and y of the grid */
+    const struct plane *plane; /* of globe: gives x and y; NULL: they are the same */
+    bool circles;              /* x may be moved by whole circles */
+};
+/* True if the grid has this place. */
+bool layer_inside(const struct grid *g, struct layer_point p, const struct layer_on *on);
 /*
  * Makes a grid of what is above that line: x is the distance from a, in n >= 2 even steps, z as in
  * g, and y has two equal rows. Bilinear in each level. The unit of x goes into the title. The
  * length is not 0. The caller frees *out.
  */
-void layer_section(const struct grid *g, struct layer_point a, struct layer_point b, bool globe,
-    const char *unit, uint32_t n, struct grid *out);
+void layer_section(const struct grid *g, struct layer_point a, struct layer_point b,
+    const struct layer_on *on, const char *unit, uint32_t n, struct grid *out);
 
 #endif

@@ -45,12 +45,17 @@ static struct layer_point between(struct layer_point a, struct layer_point b, bo
     return (struct layer_point){atan2(w[1], w[0]) / RAD, atan2(w[2], hypot(w[0], w[1])) / RAD};
 }
 
-/* Moves a longitude by whole circles to the first one that is not west of the grid. */
-static void turn(const struct grid *g, bool globe, struct layer_point *p)
+/* Puts a place into the grid's coordinates, with a longitude moved by whole circles to the first
+ * one that is not west of the grid. One that is not on the plane becomes NaN. */
+static void locate(const struct grid *g, const struct layer_on *on, struct layer_point *p)
 {
     const double slack = 1e-9, west = g->at[0][0];
+    struct plane_at at = {p->x, p->y};
+    if (on->plane && !plane_forward(on->plane, (struct plane_at){p->x, p->y}, &at))
+        at.x = at.y = (double)NAN;
+    *p = (struct layer_point){at.x, at.y};
     const double x = grid_within(p->x, west, g->at[0][g->n[0] - 1]);
-    if (globe && !(x >= west && x <= g->at[0][g->n[0] - 1]))
+    if (on->circles && !(x >= west && x <= g->at[0][g->n[0] - 1]))
         p->x += 360 * ceil((west - slack - p->x) / 360);
     for (int a = 0; a < 2; a++) { /* rounding leaves no end of a grid */
         double *v = a ? &p->y : &p->x, lo = g->at[a][0], hi = g->at[a][g->n[a] - 1];
@@ -60,60 +65,32 @@ static void turn(const struct grid *g, bool globe, struct layer_point *p)
     }
 }
 
-/* The cell of a place on an axis, and where it is between its planes. False outside. */
-static bool find(const double *at, uint32_t n, double v, uint32_t *cell, double *t)
+bool layer_inside(const struct grid *g, struct layer_point p, const struct layer_on *on)
 {
-    if (!(v >= at[0] && v <= at[n - 1])) return false;
-    uint32_t low = 0, high = n - 1;
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (at[middle] <= v) low = middle;
-        else high = middle;
-    }
-    *cell = low;
-    *t = (v - at[low]) / (at[low + 1] - at[low]);
-    return true;
-}
-
-/* A neighbour that does not count may be missing. */
-static double mix(double a, double b, double t)
-{
-    return t <= 0 ? a : t >= 1 ? b : a + t * (b - a);
-}
-
-double layer_at(const struct grid *g, const float *value, struct layer_point p)
-{
-    uint32_t i, j;
-    double s, t;
-    if (!find(g->at[0], g->n[0], p.x, &i, &s) || !find(g->at[1], g->n[1], p.y, &j, &t))
-        return (double)NAN;
-    const float *v = value + grid_node(g, i, j, 0), *w = v + g->n[0];
-    return mix(mix((double)v[0], (double)v[1], s), mix((double)w[0], (double)w[1], s), t);
-}
-
-bool layer_inside(const struct grid *g, struct layer_point p, bool globe)
-{
-    turn(g, globe, &p);
+    locate(g, on, &p);
     return p.x >= g->at[0][0] && p.x <= g->at[0][g->n[0] - 1] && p.y >= g->at[1][0] &&
            p.y <= g->at[1][g->n[1] - 1];
 }
 
-/* The first part of the title, axes of the section, and z and t as they were. */
+/* The first part of the title, axes of the section, and z and t as they were; no projection, which
+ * is not one of the section. */
 static void set_title(const struct grid *g, const char *unit, struct grid *out)
 {
     const char *z = strstr(g->title, "; z ");
     const size_t n = strcspn(g->title, ";");
     struct grid_named scalar;
     const bool known = grid_title(g->title, 0, &scalar);
-    snprintf(out->title, sizeof out->title, "%.*s; x distance [%s]; y across [%s]%s",
-        (int)(known ? n : 0), g->title, unit, unit, z ? z : "");
+    const char *proj = z ? strstr(z, "; proj ") : NULL;
+    snprintf(out->title, sizeof out->title, "%.*s; x distance [%s]; y across [%s]%.*s",
+        (int)(known ? n : 0), g->title, unit, unit, (int)(proj ? proj - z : GRID_TITLE),
+        z ? z : "");
     snprintf(out->name, sizeof out->name, "%s", g->name);
 }
 
-void layer_section(const struct grid *g, struct layer_point a, struct layer_point b, bool globe,
-    const char *unit, uint32_t n, struct grid *out)
+void layer_section(const struct grid *g, struct layer_point a, struct layer_point b,
+    const struct layer_on *on, const char *unit, uint32_t n, struct grid *out)
 {
-    const double length = layer_length(a, b, globe);
+    const double length = layer_length(a, b, on->globe);
     *out = (struct grid){.n = {n, 2, g->n[2]}};
     for (int i = 0; i < 3; i++) out->at[i] = xmalloc(out->n[i], sizeof *out->at[i]);
     out->value = xmalloc(grid_node(out, 0, 0, out->n[2]), sizeof *out->value);
@@ -121,9 +98,9 @@ void layer_section(const struct grid *g, struct layer_point a, struct layer_poin
     out->at[1][1] = THICK * length;
     memcpy(out->at[2], g->at[2], g->n[2] * sizeof *g->at[2]);
     for (uint32_t i = 0; i < n; i++) {
-        struct layer_point p = between(a, b, globe, (double)i / (n - 1));
+        struct layer_point p = between(a, b, on->globe, (double)i / (n - 1));
         out->at[0][i] = length * i / (n - 1);
-        turn(g, globe, &p);
+        locate(g, on, &p);
         for (uint32_t k = 0; k < g->n[2]; k++)
             out->value[grid_node(out, i, 0, k)] = out->value[grid_node(out, i, 1, k)] =
                 (float)layer_at(g, g->value + grid_node(g, 0, 0, k), p);

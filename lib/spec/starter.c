@@ -121,20 +121,46 @@ static void put_place(struct buf *out, const char *word, struct vec3 p, double s
 
 #define TERRAIN .002 /* of the grid's height: heights of a terrain differ by more */
 
+/* The least and the greatest height of the ground. */
+static void ground_range(const struct grid *of, float *lo, float *hi)
+{
+    *lo = HUGE_VALF, *hi = -HUGE_VALF; /* fminf and fmaxf pass over NaN */
+    for (size_t i = 0; i < grid_node(of, 0, 0, 1); i++)
+        *lo = fminf(*lo, of->value[i]), *hi = fmaxf(*hi, of->value[i]);
+}
+
 /* True if the values of the ground are heights in the unit of z that differ enough to be seen. */
 static bool is_terrain(const struct grid *g)
 {
     struct grid_named z, h;
-    float lo = HUGE_VALF, hi = -HUGE_VALF; /* fminf and fmaxf pass over NaN */
+    float lo, hi;
     const struct grid *of = g->ground;
     if (g->flat) return false;
     if (!grid_title(g->title, 'z', &z)) z.unit[0] = '\0';
     if (!grid_title(of->title, 0, &h)) h.unit[0] = '\0';
     if (strcmp(z.unit, h.unit) != 0 && !(metres(z.unit) > 0 && metres(z.unit) == metres(h.unit)))
         return false;
-    for (size_t i = 0; i < grid_node(of, 0, 0, 1); i++)
-        lo = fminf(lo, of->value[i]), hi = fmaxf(hi, of->value[i]);
+    ground_range(of, &lo, &hi);
     return (double)hi - (double)lo > TERRAIN * (g->at[2][g->n[2] - 1] - g->at[2][0]);
+}
+
+/* Leaves out what the ground has outside of the grid, which would cover frame and labels. */
+static void put_clip(struct buf *out, const struct grid *g, bool terrain)
+{
+    double lo[3], hi[3], more = 0;
+    float least, most;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = g->at[a][0], hi[a] = g->at[a][g->n[a] - 1];
+        if (a == 2) continue;
+        const struct grid *of = g->ground;
+        more = fmax(more, fmax(lo[a] - of->at[a][0], of->at[a][of->n[a] - 1] - hi[a]));
+    }
+    if (!(more > 0)) return;
+    ground_range(g->ground, &least, &most);
+    if (terrain) lo[2] = fmin(lo[2], (double)least), hi[2] = fmax(hi[2], (double)most);
+    const double room = hi[2] - lo[2]; /* none of the faces above and below cuts anything */
+    buf_printf(out, "clip %.15g %.15g %.15g %.15g %.15g %.15g\n", lo[0], lo[1], lo[2] - room, hi[0],
+        hi[1], hi[2] + room);
 }
 
 /* ---- comments ------------------------------------------------------------------------------- */
@@ -266,7 +292,11 @@ bool spec_starter(
     if (!g->flat) put_stretch(out, &f, unit);
     buf_printf(out, "scale %.6g %.6g %.6g\n", f.scale[0], f.scale[1], f.scale[2]);
     buf_printf(out, "background .02 .02 .025\n");
-    if (g->ground) spec_put_ground(g, is_terrain(g), out);
+    if (g->ground) {
+        const bool terrain = is_terrain(g);
+        put_clip(out, g, terrain);
+        spec_put_ground(g, terrain, out);
+    }
     if (wish->kind == SPEC_AUTO && !g->flat && is_tomogram(g))
         return put_tissues(out, &f, mean_chord(&f, v.part)), true;
     const struct spec_box box = {.chord = mean_chord(&f, v.part), .lamp = lamp(&f)};
