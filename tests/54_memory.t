@@ -93,10 +93,15 @@ for method in 'deal -q auto -e fan' 'ringctl -e fan'; do
 	# shellcheck disable=SC2086  # words
 	run sh -c "$method -S mixed $node sh -c '[ \"\$(ulimit -v)\" != unlimited ] || sleep 1; exec vcworker - -' \
 		<film.task | gather -o mixed-%d.pfm"
-	is "$method: all is computed, and nothing given up" "$status $(echo "$err" | grep -c 'given up')" '0 0'
+	is "$method: all is computed, nothing given up, no slot lost" "$status $(echo "$err" | grep -cE 'given up|lost')" '0 0'
 	ok "$method: the picture is that without a limit" cmp mixed-1.pfm whole-1.pfm
 	rm -f mixed-*.pfm
 done
+# A node of the ring holds state on its way to the worker, and refuses it with the same words.
+run sh -c 'ringctl -e fan -S hosts ringctl -n vcworker - - <film.task | gather -o ring-%d.pfm'
+is 'nodes: no slot is lost, and other frames are whole' "$(echo "$err" | grep -c lost) $(echo ring-*.pfm)" '0 ring-0.pfm ring-2.pfm'
+is 'each node says why' "$(echo "$err" | grep -cE "^[ab]: ringctl: ${needs#vcworker: }\$")" 2
+like 'nodes: the frame is given up' "$err" '^ringctl: frame 1: given up, because it fits the memory of no slot that is up: '
 # What a host has kept from a run that had memory is refused before it is read, too.
 if fan -l -z on >said 2>&1; then
 	film large.vtk >large.task
@@ -113,6 +118,9 @@ if fan -l -z on >said 2>&1; then
 		like "a kept grid that does not fit$each: by name" "$err" \
 			'^a: vcworker: frame 0: grid: out of memory: needs about'
 	done
+	run ringctl -e fan -t 600 -S tight ringctl -n vcworker - - <large.task
+	is 'a kept grid that does not fit a node: exit 1, and no slot is lost' "$status $(echo "$err" | grep -c lost)" '1 0'
+	like 'a kept grid that does not fit a node: by name' "$err" '^a: ringctl: frame 0: grid: out of memory: needs about'
 else
 	skip 'a kept grid that does not fit' "$(cat said)"
 fi

@@ -1,6 +1,6 @@
 /* The live driver, shared by its files: policy.c (the loop, and its input), up.c (what the
- * command sends), tell.c (events, and what the policy does) and losses.c (tasks that cost
- * slots). */
+ * command sends), tell.c (events, and what the policy does), losses.c (tasks that cost slots) and
+ * room.c (state that does not fit in a node's memory). */
 #ifndef STORMRING_DRIVER_H
 #define STORMRING_DRIVER_H
 
@@ -17,6 +17,15 @@ struct losses {
     uint32_t frame;
 };
 
+/* State that does not fit in memory. */
+struct lacks {
+    unsigned char kinds[GENERATIONS]; /* a bit for each kind of state, by generation, modulo this */
+    enum rec_kind latest;             /* of the latest that did not fit, */
+    char why[ERR_BYTES];              /* and why */
+    bool said;                        /* that was printed */
+    struct buf tasks;                 /* refused, and the policy is not told yet */
+};
+
 struct driver {
     const struct policy *policy;
     void *state;
@@ -28,6 +37,7 @@ struct driver {
     struct stream_state input;
     struct tags tags;
     struct losses losses;
+    struct lacks lacks;
     struct buf held;  /* state that is not admitted yet; the input waits behind it */
     uint32_t oldest;  /* the oldest live generation before `held` */
     int64_t heard_us; /* when the command last sent something or was asked to */
@@ -52,6 +62,18 @@ void drive_reason(struct driver *d, const struct record *r);
 void drive_blame(struct driver *d, const struct sched_action *a);
 void drive_forgive(struct driver *d, const struct task *t);
 void drive_abandon(struct driver *d, const struct sched_action *a);
+/* The input of a node drops bodies that do not fit: after the first call, call the second one after
+ * each read. */
+void drive_room_init(struct driver *d);
+void drive_consider(struct driver *d);
+/* A state record has come, dropped or not; `before` was the latest generation. */
+void drive_room_state(struct driver *d, const struct record *r, uint32_t before);
+/* True if this generation has state that was dropped. */
+bool drive_lacks(const struct driver *d, uint32_t generation);
+/* Says that the task, of such a generation, cannot be computed. */
+void drive_refuse(struct driver *d, const struct task *t);
+/* The event of such a task, once; false: there is none. */
+bool drive_refused(struct driver *d, struct sched_event *e);
 /* Handles records from the command. False at the end of its stream. */
 bool drive_listen(struct driver *d);
 

@@ -52,10 +52,14 @@ static bool admitted(const struct driver *d)
 
 static int take_state(struct driver *d, const struct record *r)
 {
+    const uint32_t before = d->input.generations.now;
     d->oldest = d->input.generations.oldest;
     generation_state(&d->input.generations, r->kind, r->body_len);
+    drive_room_state(d, r, before);
     bool waits = !admitted(d);
-    wire_forward(waits ? &d->held : &d->down.bytes, r, NULL, NULL);
+    struct buf *to = waits ? &d->held : &d->down.bytes;
+    if (r->body) wire_forward(to, r, NULL, NULL);
+    else wire_plain(to, REC_FLUSH, NULL); /* dropped: something that does no harm */
     if (!waits) return 0;
     drive_tell(d, (struct sched_event){.kind = SCHED_FLUSH});
     return STREAM_HOLD;
@@ -71,8 +75,8 @@ static int take_down(void *ctx, const struct record *r)
     case REC_VIEW:
     case REC_FILES: return take_state(d, r);
     case REC_FRAME:
-        stream_frame(&d->input, r);
-        wire_forward(&d->down.bytes, r, NULL, NULL);
+        if (!drive_lacks(d, stream_frame(&d->input, r)->generation))
+            wire_forward(&d->down.bytes, r, NULL, NULL);
         return 0;
     case REC_TASK: return take_task(d, r);
     case REC_FLUSH:
@@ -96,6 +100,7 @@ static int take_down(void *ctx, const struct record *r)
 static void take_input(struct driver *d)
 {
     d->refused = stream_input(&d->in, &d->in_open, take_down, d);
+    drive_consider(d);
     outlet_beat(&d->out, &d->in);
     if (!d->in_open && !d->refused) drive_tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
 }
@@ -214,6 +219,7 @@ int drive_policy(
     outlet_open(&d.out);
     tags_init(&d.tags);
     drive_losses_init(&d.losses);
+    if (d.node) drive_room_init(&d);
     d.state = policy->create(params);
     d.heard_us = now_us();
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);
@@ -233,6 +239,7 @@ int drive_policy(
     tags_free(&d.tags);
     drive_losses_free(&d.losses);
     buf_free(&d.held);
+    buf_free(&d.lacks.tasks);
     if (signals_came()) signals_die();
     return status;
 }

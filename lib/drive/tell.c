@@ -41,7 +41,10 @@ static void perform(struct driver *d)
         const struct sched_action *a = &d->acts.at[i];
         int32_t to = d->lone ? -1 : a->slot;
         switch (a->kind) {
-        case SCHED_GIVE: give(d, a, to); break;
+        case SCHED_GIVE:
+            if (drive_lacks(d, a->task.generation)) drive_refuse(d, &a->task);
+            else give(d, a, to);
+            break;
         case SCHED_ASK_FLUSH: drive_flush(d, to); break;
         case SCHED_COMMIT:
             tags_drop(&d->tags, &a->task);
@@ -63,6 +66,8 @@ static void perform(struct driver *d)
 
 void drive_tell(struct driver *d, struct sched_event e)
 {
-    d->policy->step(d->state, &e, now_us(), &d->acts);
-    perform(d);
+    do {
+        d->policy->step(d->state, &e, now_us(), &d->acts);
+        perform(d);
+    } while (drive_refused(d, &e));
 }

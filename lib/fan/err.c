@@ -52,7 +52,7 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
     if (s->conn.connected && n) snprintf(s->conn.said, sizeof s->conn.said, "%.*s", (int)n, line);
     fan_slot_show_held(s);
     s->conn.told_end |= s->conn.connected && fan_refusal_ends(line, n);
-    if (s->conn.connected) show_line(s->host, line, n);
+    if (s->conn.connected && !s->repeats) show_line(s->host, line, n);
     else show_once(s->host, line, n);
 }
 
@@ -102,5 +102,8 @@ void fan_slot_show_held(struct fan_slot *s)
 
 void fan_end_err(struct fan *f)
 {
-    for (int i = 0; i < f->n_hosts; i++) say_dropped(&f->hosts[i]);
+    for (int i = 0; i < f->n_hosts; i++) {
+        say_dropped(&f->hosts[i]);
+        fan_say_repeats(&f->hosts[i]);
+    }
 }

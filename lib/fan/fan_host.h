@@ -33,7 +33,8 @@ struct fan_host {
     bool told_plain;         /* it was reported that its worker cannot pack */
     uint64_t told[FAN_TOLD]; /* hashes of lines of failed connections since a slot was lost; */
     unsigned n_told;         /* the next one replaces number n_told % FAN_TOLD */
-    int64_t window_us;       /* start of the count of lines shown */
+    int repeats;       /* losses of its slots that were not printed, and not yet counted out */
+    int64_t window_us; /* start of the count of lines shown */
     int shown;
     int64_t dropped; /* lines not shown, and not yet reported */
 };

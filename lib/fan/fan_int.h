@@ -109,6 +109,9 @@ struct fan_slot {
     /* Over all connections: */
     bool was_up;
     bool told_gone;     /* `gone` was reported, and `up` not since */
+    char lost_why[24];  /* the latest loss that was printed: its reason, */
+    int64_t lost_us;    /* and when */
+    bool repeats;       /* the latest loss was counted instead */
     bool measured;      /* fan -l: nothing is left to measure */
     int64_t trip_us;    /* time from the end of its input to its bye; 0: not known */
     int failures;       /* connections in a row without a completed task */
@@ -161,17 +164,17 @@ struct fan {
     int64_t n_votes;                         /* on jobs */
     bool begun;                              /* a task of the latest generation has come */
     struct outlet out;
-    int64_t start_us;    /* zero of sent_us and recv_us */
-    int64_t awake_us;    /* when the next round was due to begin */
-    int64_t lost, stale; /* tasks lost with their slots; answers to no question */
-    int64_t failed;      /* tasks that a slot could not compute */
+    int64_t start_us;                    /* zero of sent_us and recv_us */
+    int64_t awake_us;                    /* when the next round was due to begin */
+    int64_t lost, stale;                 /* tasks lost with their slots; answers to no question */
+    int64_t failed;                      /* tasks that a slot could not compute */
     struct fan_death deaths[FAN_DEATHS]; /* the latest, */
     int64_t n_deaths;                    /* of this number: excuse.c */
-    bool disputed;       /* slots disagree on a job, and no majority decides */
-    bool unreached;      /* tasks waited to the end for slots that never were up */
-    bool dismissed;      /* a fan around this one has said that the run is over */
-    bool asked;          /* a task has come */
-    double coder_speed;  /* bytes that are packed in a microsecond; 0: not measured */
+    bool disputed;                       /* slots disagree on a job, and no majority decides */
+    bool unreached;                      /* tasks waited to the end for slots that never were up */
+    bool dismissed;                      /* a fan around this one has said that the run is over */
+    bool asked;                          /* a task has come */
+    double coder_speed; /* bytes that are packed in a microsecond; 0: not measured */
     bool in_open;
     bool listing; /* fan -l: only asks slots for their hello */
     bool joins;   /* the input is from a policy whose slots may join and leave */
@@ -255,6 +258,9 @@ bool fan_host_exhausted(const struct fan_host *h);
 bool fan_host_retries(struct fan_slot *s);
 /* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
+/* Prints that slot s was lost; or counts that, if it repeats. The other one prints the number. */
+void fan_say_lost(struct fan_slot *s, const char *why, int32_t lost, bool again, const char *hint);
+void fan_say_repeats(struct fan_host *h);
 /* The time of fan_patience_us. */
 #define FAN_PATIENCE_TEXT 32
 const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT]);

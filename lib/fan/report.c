@@ -2,6 +2,9 @@
 #include "fan/fan_int.h"
 
 #include <inttypes.h>
+#include <string.h>
+
+#define REPEATS_US 60000000 /* a slot that is lost again in this time is counted */
 
 int64_t fan_retry_wait_us(int failures)
 {
@@ -33,6 +36,31 @@ const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT])
     if (s < 120) snprintf(text, FAN_PATIENCE_TEXT, "%g s", s);
     else snprintf(text, FAN_PATIENCE_TEXT, "%g minutes", s / 60);
     return text;
+}
+
+void fan_say_repeats(struct fan_host *h)
+{
+    if (h->repeats)
+        warn("%s: slots were lost %d more times for the same reason",
+            h->here ? "this machine" : h->host->name, h->repeats);
+    h->repeats = 0;
+}
+
+void fan_say_lost(struct fan_slot *s, const char *why, int32_t lost, bool again, const char *hint)
+{
+    char name[SLOT_NAME];
+    const int64_t now = now_us();
+    s->repeats = again && strcmp(why, s->lost_why) == 0 && now - s->lost_us < REPEATS_US;
+    s->host->repeats += s->repeats;
+    if (s->repeats) return;
+    if (!again || *s->lost_why) fan_say_repeats(s->host);
+    snprintf(s->lost_why, sizeof s->lost_why, "%s", why);
+    s->lost_us = now;
+    warn("%s: lost (%s) with %" PRId32 " tasks%s%s", fan_slot_name(s, name), why, lost,
+        again && s->host->here ? ", starting again"
+        : again                ? ", connecting again"
+                               : "",
+        hint);
 }
 
 /* True if a slot of the host is needed. *last: no other host has slots that may come. */

@@ -186,7 +186,8 @@ void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power)
 void fan_slot_up(struct fan *f, struct fan_slot *s)
 {
     char name[SLOT_NAME];
-    if (s->told_gone) warn("%s: %s up", fan_slot_name(s, name), s->width > 1 ? "are" : "is");
+    if (s->told_gone && !s->repeats)
+        warn("%s: %s up", fan_slot_name(s, name), s->width > 1 ? "are" : "is");
     fan_slot_show_held(s);
     change(f, s, ON_HELLO);
     s->conn.connected = s->was_up = s->host->reached = true;
@@ -267,6 +268,7 @@ void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
 static void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct fan_host *h = s->host;
+    s->repeats = false;
     bool ends = !again && (!h->reached || fan_host_exhausted(h));
     if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) fan_complain(f, s, why, again);
     else fan_refusal_forget(s);
@@ -291,7 +293,6 @@ static bool killed(const struct fan_slot *s, const char *why)
 /* Reports the loss of the slot, and decides whether to connect it again. */
 static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
-    char name[SLOT_NAME];
     s->failures = s->conn.completed_task ? 1 : s->failures + 1;
     if (s->conn.completed_task) s->deaths = 0;
     else if (s->conn.connected && s->n_tasks && !fan_excuse(f, s)) s->deaths++;
@@ -309,17 +310,14 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);
     else if (!s->conn.connected && !s->host->here) host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || (f->in_open && !s->drains)))
-        warn("%s: lost (%s) with %" PRId32 " tasks%s%s", fan_slot_name(s, name), why, lost,
-            again && s->host->here ? ", starting again"
-            : again                ? ", connecting again"
-                                   : "",
+        fan_say_lost(s, why, lost, again,
             killed(s, why)
                 ? "; ssh says no reason: killed there, as the kernel does when memory is short"
                 : status_hint(why));
     f->lost += lost;
     if (s->conn.connected) {
         s->missing_us = now_us();
-        memset(s->host->told, 0, sizeof s->host->told);
+        if (!s->repeats) memset(s->host->told, 0, sizeof s->host->told);
     }
     if (s->conn.connected || !again) fan_slot_forget(s);
 }

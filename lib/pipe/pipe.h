@@ -97,6 +97,17 @@ void silence_heard(void);
 /* Standard input has ended, or this is another process: its silence means nothing. */
 void silence_forget(void);
 
+/* ---- room.c: whether long state fits in memory ---- */
+
+#define STREAM_LONG (1 << 20) /* bytes; a shorter state always fits */
+/* Call after a read. Kind and length of a long state record whose head is here, and little more:
+ * it is time to decide whether to wire_drop it. REC_KINDS: none is. */
+enum rec_kind stream_arrives(struct decoder *d, size_t *bytes);
+/* The addresses that a record's buffer takes. */
+double stream_buffer(size_t bytes);
+/* True if this process may take that much more; else err says what is needed. */
+bool stream_fits(double memory, double addresses, char err[ERR_BYTES]);
+
 /* ---- loops ---- */
 
 #define UP_QUEUE_MOST (4 << 20)   /* bytes for the reader; then workers wait */
