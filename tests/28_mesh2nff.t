@@ -598,6 +598,7 @@ printf '%s 255 0 0\n' '0 0 0' '1 0 0' '0 1 0'; echo '3 0 1 2'; } >wide.ply
 sed '/^facet normal 0 0 0/,/^endfacet/d; s/1\.5/1/' text.stl | tr '[:lower:]' '[:upper:]' >upper.stl
 # magics HEADER COLOUR: a facet
 magics() { packed 'a80 L<' "$1" 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 "$2"; }
+{ packed 'A80 L<' viscam 2; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 64512; packed 'f<12 S<' 0 0 1 5 0 0 6 0 0 5 1 0 0; } >viscam.stl
 magics "COLOR=$(printf '\001\377\001\377')" 31 >own.stl
 magics "COLOR=$(printf '\001\377\001\377')" 32799 >whole.stl
 magics "COLOR=$(printf '\001\377\001\377,MATERIAL=\377\001\001\377')" 0 >material.stl
@@ -674,6 +675,7 @@ big.ply|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 solid.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 more.stl|0:mesh2nff: more.stl: bytes behind the facets of an STL: 5, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 upper.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+viscam.stl|0:mesh2nff: viscam.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;f 1 1 1 1 0 0 0 1;p 3 5 0 0 6 0 0 5 1 0;
 own.stl|0:mesh2nff: own.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 whole.stl|0:mesh2nff: whole.stl: meshes with colours at their vertices: 1, each face has their meanf 0 1 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 material.stl|0:mesh2nff: material.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -686,6 +688,9 @@ run mesh2nff draco.gltf
 like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
 run sh -c 'mesh2nff - <ten.ply'
 is 'a byte 10 on standard input' "$status:$(faces | tail -n 1)" '0:p 3 0.5000006 0 0 1 0 0 0 1 0'
+for file in capitals folder quoted; do
+	ok "its libraries are read by the same rules on standard input: $file" sh -c "mesh2nff $file.obj >a && mesh2nff - <$file.obj >b && cmp a b"
+done
 run sh -c 'mesh2nff - <marked.obj'
 is 'a mark on standard input' "$status:$err$(faces | tail -n 1)" '0:p 3 0 0 0 1 0 0 0 1 0'
 

@@ -146,8 +146,11 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
     char *mended = mesh_bytes_mended(m, data, &n);
-    if (mended) data = (const unsigned char *)mended;
-    m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(m, data, n));
+    m->bytes = mended ? (const unsigned char *)mended : data;
+    m->n_bytes = n;
+    snprintf(m->name, sizeof m->name, "-.%s", hint(m, m->bytes, n));
+    m->scene = mesh_import(m);
+    m->bytes = NULL;
     free(mended);
     return m->scene || refused(err);
 }

@@ -134,6 +134,10 @@ enum mesh_stl { MESH_STL_NONE, MESH_STL_BYTES, MESH_STL_ODD };
 struct mesh {
     const struct aiScene *scene;
     const char *path; /* the caller's; pictures are looked for beside it */
+    /* Of standard input or a pipe, while it is read, mended; the name tells libassimp its kind. */
+    const unsigned char *bytes;
+    size_t n_bytes;
+    char name[8];
     struct mesh_options o;
     struct mesh_part *parts;
     size_t n_parts;
@@ -206,8 +210,8 @@ void mesh_gltf_copy(FILE *from, FILE *to);
 /* A copy of *n bytes with parts mended that libassimp reads wrong, which the caller frees; NULL:
  * there are none. mark.c says which. */
 char *mesh_bytes_mended(const struct mesh *m, const unsigned char *data, size_t *n);
-/* aiImportFile, which passes over such a mark and mends such parts, also of the files that this one
- * names. Those may be there in another case. */
+/* aiImportFile, of the bytes if there are some. It passes over such a mark and mends such parts,
+ * also of the files that this one names. Those may be there in another case. */
 const struct aiScene *mesh_import(const struct mesh *m);
 /* A file that is there, and whose name differs in case at most, or has a byte where this one has
  * %XX; NULL: none. The caller frees it. */
