@@ -108,6 +108,18 @@ static const char *ply_fault(FILE *f, struct mesh *m)
     return NULL;
 }
 
+/* Counts the cameras of an X3D, which libassimp passes over. */
+static void count_viewpoints(struct mesh *m, FILE *f)
+{
+    char *part = NULL;
+    size_t room = 0;
+    const char *suffix = strrchr(m->path, '.');
+    if (suffix && strcasecmp(suffix, ".x3d") == 0)
+        while (getdelim(&part, &room, '<', f) > 0)
+            m->viewpoints += strncmp(part, "Viewpoint", 9) == 0;
+    free(part);
+}
+
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
@@ -119,6 +131,8 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     mesh_stl_find(m, f);
     rewind(f);
     m->lost_colours |= mesh_off_paints(f);
+    rewind(f);
+    count_viewpoints(m, f);
     fclose(f);
     if (*extension)
         return err_set(

@@ -29,6 +29,7 @@ enum mesh_loss_kind {
     LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
     LOSS_EXTENSIONS,
+    LOSS_SCENES,
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
@@ -169,6 +170,8 @@ struct mesh {
     size_t n_sets;
     bool lost_colours;        /* of a PLY or OFF: it has some that are not read */
     bool bad_colours;         /* of a PLY: libassimp reads them wrong */
+    unsigned lost_scenes;     /* of glTF, besides the one that is shown */
+    unsigned viewpoints;      /* words of an X3D */
     unsigned lost_extensions; /* of glTF, without which places are others */
 };
 
