@@ -268,7 +268,7 @@ is '-s: another size, the same angle' "$(after angle):$(after resolution)" '28.6
 sed 's/"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5,/"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9,/' \
 	camera.gltf >both.gltf
 run mesh2nff both.gltf
-like 'an orthographic camera is named' "$err" 'cameras that are orthographic, of glTF 1, or define no view: 1, left out'
+like 'an orthographic camera is named' "$err" 'cameras that are orthographic, of glTF 1 or X3D, or define no view: 1, left out'
 is 'and the next one is taken' "$(after from):$(after angle)" '0 0 4:57.29578'
 # libassimp turns cameras of glTF 1 backwards.
 cat >old.gltf <<'END'
@@ -316,7 +316,7 @@ collada() {
 collada '<yfov>40</yfov>' >y.dae
 run mesh2nff y.dae
 is "a Collada camera's yfov alone is lost, and a view fitted" "$(after angle):$err" \
-	'40:mesh2nff: y.dae: cameras that are orthographic, of glTF 1, or define no view: 1, left out'
+	'40:mesh2nff: y.dae: cameras that are orthographic, of glTF 1 or X3D, or define no view: 1, left out'
 collada '<yfov>40</yfov><aspect_ratio>1.5</aspect_ratio>' >ya.dae
 run mesh2nff ya.dae
 is 'its yfov and aspect ratio are taken' "$(printf '%.3f' "$(after angle)"):$(after resolution):$(after from):$err" '40.000:768 512:0 0 9:'
@@ -598,12 +598,15 @@ printf '%s 255 0 0\n' '0 0 0' '1 0 0' '0 1 0'; echo '3 0 1 2'; } >wide.ply
 sed '/^facet normal 0 0 0/,/^endfacet/d; s/1\.5/1/' text.stl | tr '[:lower:]' '[:upper:]' >upper.stl
 # magics HEADER COLOUR: a facet
 magics() { packed 'a80 L<' "$1" 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 "$2"; }
+{ packed 'A80 L<' viscam 2; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 64512; packed 'f<12 S<' 0 0 1 5 0 0 6 0 0 5 1 0 0; } >viscam.stl
 magics "COLOR=$(printf '\001\377\001\377')" 31 >own.stl
 magics "COLOR=$(printf '\001\377\001\377')" 32799 >whole.stl
 magics "COLOR=$(printf '\001\377\001\377,MATERIAL=\377\001\001\377')" 0 >material.stl
 { sed '/^element face/,$d' big.ply; printf '%s\n' 'element face 1' 'property list uchar int vertex_index' end_header; } | sed '
 	s/binary_big_endian/ascii/; s/^element vertex 3/element list 1\nproperty list uchar int of\n&/' >lists.ply
 printf '%s\n' '1 5' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' >>lists.ply
+printf '%s%s%s' '<X3D version="3.0"><Scene><Viewpoint position="0 0 5"/><Shape><Appearance><Material diffuseColor="1 0 0"/></Appearance>' \
+	'<IndexedFaceSet coordIndex="0 1 2 -1"><Coordinate point="0 0 0 1 0 0 0 1 0"/></IndexedFaceSet></Shape>' '</Scene></X3D>' >view.x3d
 values=$({ packed 'f<9 S<3 x2' 0 0 0 1 0 0 0 9 0 0 1 2; packed 'S< x2 f<3' 2 0 1 0; } | base64 -w 0)
 cat >sparse.gltf <<END
 {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -630,6 +633,7 @@ sed 's/{"mesh": 0}/{"mesh": 0, "skin": 0}, {"name": "joint"}/; s/"asset"/"skins"
 	sparse.gltf >skin.gltf
 sed 's/"asset"/"extensionsUsed": ["KHR_materials_volume"], &/; s/"pbrM/"extensions": {"KHR_materials_volume": \
 	{"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.5]}}, &/' sparse.gltf >volume.gltf
+sed 's/"scenes": \[/&{"nodes": []}, /; s/"scene": 0/"scene": 1/' sparse.gltf >scenes.gltf
 while IFS='|' read -r name wanted; do
 	run mesh2nff "$name"
 	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
@@ -637,6 +641,8 @@ done <<'END'
 quantized.gltf|2:mesh2nff: quantized.gltf: requires 'KHR_mesh_quantization', which libassimp does not read, expected a glTF without
 required.gltf|2:mesh2nff: required.gltf: requires 'EXT_one', which libassimp does not read, expected a glTF without
 instanced.gltf|0:mesh2nff: instanced.gltf: extensions of glTF that hide nodes or repeat meshes: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+scenes.gltf|0:mesh2nff: scenes.gltf: scenes of glTF besides the one that it shows: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+view.x3d|0:mesh2nff: view.x3d: cameras that are orthographic, of glTF 1 or X3D, or define no view: 1, left outf 1 0 0 1 0 25.6 0 1;p 3 0 0 0 1 0 0 0 1 0;
 uri.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 skin.gltf|0:mesh2nff: skin.gltf: meshes with bones: 1, written as they restf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 volume.gltf|0:mesh2nff: volume.gltf: materials whose inside absorbs light: 1, written as if it did notf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -674,6 +680,7 @@ big.ply|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 solid.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 more.stl|0:mesh2nff: more.stl: bytes behind the facets of an STL: 5, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 upper.stl|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+viscam.stl|0:mesh2nff: viscam.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;f 1 1 1 1 0 0 0 1;p 3 5 0 0 6 0 0 5 1 0;
 own.stl|0:mesh2nff: own.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 whole.stl|0:mesh2nff: whole.stl: meshes with colours at their vertices: 1, each face has their meanf 0 1 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 material.stl|0:mesh2nff: material.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -686,6 +693,9 @@ run mesh2nff draco.gltf
 like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
 run sh -c 'mesh2nff - <ten.ply'
 is 'a byte 10 on standard input' "$status:$(faces | tail -n 1)" '0:p 3 0.5000006 0 0 1 0 0 0 1 0'
+for file in capitals folder quoted; do
+	ok "its libraries are read by the same rules on standard input: $file" sh -c "mesh2nff $file.obj >a && mesh2nff - <$file.obj >b && cmp a b"
+done
 run sh -c 'mesh2nff - <marked.obj'
 is 'a mark on standard input' "$status:$err$(faces | tail -n 1)" '0:p 3 0 0 0 1 0 0 0 1 0'
 

@@ -106,7 +106,8 @@ alone() {
 	(cd "$(dirname "$1")" && TMPDIR=$tmp blender -b -noaudio "$(basename "$1")" --python-expr "
 import bpy
 s = bpy.context.scene; i = s.render.image_settings
-i.file_format, i.color_depth, i.color_mode = 'PNG', '16', 'RGB'
+i.file_format, i.color_depth = 'PNG', '16'
+s.render.use_single_layer = False # the operator alone heeds it
 s.render.filepath = '$tmp/$2'; s.frame_set(${3:-s.frame_current}); s.render.dither_intensity = 0
 bpy.ops.render.render(write_still=True)") >said 2>&1 || diag "$(tail -n 5 said)"
 	# It does not state its curve: cropworker reads it as sRGB.
@@ -136,7 +137,10 @@ run balance adaptive -j 2 -k 16 -o got.pfm real/s.blend
 is 'balance: the picture of Blender alone' "$status:$err$(same got.pfm alone.png.pfm)" '0:differing	0'
 settings='s.camera.data.dof.use_dof = True
 r.use_motion_blur = True
-r.resolution_x, r.resolution_y, r.resolution_percentage = 100, 57, 29'
+r.resolution_x, r.resolution_y, r.resolution_percentage = 100, 57, 29
+r.image_settings.color_mode = "BW"
+r.film_transparent = True; r.image_settings.color_mode = "RGB"
+r.use_single_layer = True; l = s.view_layers.new("empty"); l.layer_collection.children[0].exclude = True; bpy.context.window.view_layer = l'
 n=0
 while IFS= read -r setting; do
 	scene set$((n += 1)).blend "$setting" </dev/null
@@ -151,6 +155,10 @@ run blendworker -i eevee.blend
 like 'Eevee is refused' "$status $err" '^2 blendworker: eevee.blend: is for BLENDER_EEVEE, which needs a display'
 run balance adaptive -j 2 -s 32x24 -W engine=CYCLES -o eevee.png eevee.blend
 is 'engine=CYCLES renders it' "$status:$(same eevee.png eevee.png)" '0:differing	0'
+scene parts.blend 'r.use_border = r.use_freestyle = True'
+run blendworker -i parts.blend
+like 'its own border and strokes of Freestyle are named' "$status $err" \
+	'^0 blendworker: parts.blend: without its own border, whole strokes of Freestyle: rectangles are drawn alone$'
 scene blind.blend 's.camera = None'
 run blendworker -i blind.blend
 is 'a scene without a camera is refused' "$status:$err" '2:blendworker: blind.blend: has no camera, expected one'

@@ -108,6 +108,18 @@ static const char *ply_fault(FILE *f, struct mesh *m)
     return NULL;
 }
 
+/* Counts the cameras of an X3D, which libassimp passes over. */
+static void count_viewpoints(struct mesh *m, FILE *f)
+{
+    char *part = NULL;
+    size_t room = 0;
+    const char *suffix = strrchr(m->path, '.');
+    if (suffix && strcasecmp(suffix, ".x3d") == 0)
+        while (getdelim(&part, &room, '<', f) > 0)
+            m->viewpoints += strncmp(part, "Viewpoint", 9) == 0;
+    free(part);
+}
+
 /* Closes the file; NULL: it could not be opened. */
 static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
 {
@@ -119,6 +131,8 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     mesh_stl_find(m, f);
     rewind(f);
     m->lost_colours |= mesh_off_paints(f);
+    rewind(f);
+    count_viewpoints(m, f);
     fclose(f);
     if (*extension)
         return err_set(
@@ -146,8 +160,11 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
     const size_t marked = mesh_bytes_marked(data, n);
     data += marked, n -= marked;
     char *mended = mesh_bytes_mended(m, data, &n);
-    if (mended) data = (const unsigned char *)mended;
-    m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(m, data, n));
+    m->bytes = mended ? (const unsigned char *)mended : data;
+    m->n_bytes = n;
+    snprintf(m->name, sizeof m->name, "-.%s", hint(m, m->bytes, n));
+    m->scene = mesh_import(m);
+    m->bytes = NULL;
     free(mended);
     return m->scene || refused(err);
 }

@@ -87,8 +87,8 @@ static void enter(struct walk *w)
     *w->key = '\0';
 }
 
-/* The root, the list of materials, one of them, pbrMetallicRoughness, and baseColorTexture with its
- * extensions. */
+/* The root, the list of scenes or of materials, one of them, pbrMetallicRoughness, and
+ * baseColorTexture with its extensions. */
 static void leave(struct walk *w)
 {
     const struct level *at = w->at;
@@ -99,6 +99,7 @@ static void leave(struct walk *w)
         m->sets = xgrown(m->sets, m->n_sets, sizeof *m->sets);
         m->sets[m->n_sets++] = (struct mesh_set){at[1].n, at[6].set};
     }
+    if (w->depth == 2 && strcmp(at[1].name, "scenes") == 0) m->lost_scenes = at[1].n;
     if (w->depth) w->depth--;
 }
 

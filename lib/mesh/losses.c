@@ -21,6 +21,7 @@ static const struct mesh_loss names[LOSSES + 1] = {
                              "red, green and blue or other types than uchar, ushort and float",
         "left out", 0},
     [LOSS_EXTENSIONS] = {"extensions of glTF that hide nodes or repeat meshes", "left out", 0},
+    [LOSS_SCENES] = {"scenes of glTF besides the one that it shows", "left out", 0},
     [LOSS_BONES] = {"meshes with bones", "written as they rest", 0},
     [LOSS_MORPHS] = {"meshes with morph targets", "written as they rest", 0},
     [LOSS_ANIMATIONS] = {"animations", "left out", 0},
@@ -28,8 +29,8 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_POINTS] = {"points", "left out", 0},
     [LOSS_LINES] = {"lines", "left out", 0},
     [LOSS_CAMERAS] = {"cameras beyond the first", "left out", 0},
-    [LOSS_BAD_CAMERAS] = {"cameras that are orthographic, of glTF 1, or define no view", "left out",
-        0},
+    [LOSS_BAD_CAMERAS] = {"cameras that are orthographic, of glTF 1 or X3D, or define no view",
+        "left out", 0},
     [LOSS_PLACES] = {"cameras or lights whose node's name is not unique",
         "taken to be at the first one", 0},
     [LOSS_SPOTS] = {"spot lights", "written as point lights", 0},
@@ -66,6 +67,7 @@ void mesh_losses_find(struct mesh *m)
     if (!m->lost_libraries) m->loss[LOSS_MATERIALS].n = m->lost_materials;
     m->loss[LOSS_UNREAD_COLOURS].n = m->lost_colours || m->bad_colours;
     m->loss[LOSS_EXTENSIONS].n = m->lost_extensions;
+    m->loss[LOSS_SCENES].n = m->lost_scenes;
     m->loss[LOSS_BYTES].n = m->lost_bytes;
     m->loss[LOSS_BONES].n = m->skins;
     m->loss[LOSS_ANIMATIONS].n = m->scene->mNumAnimations;

@@ -313,12 +313,22 @@ static FILE *open_named(const char *path)
     return f;
 }
 
+/* What libassimp asks for by the name that it was given for bytes. */
+static bool is_bytes(const struct mesh *m, const char *path)
+{
+    return m->bytes && strcmp(path, m->name) == 0;
+}
+
 static struct aiFile *open_source(struct aiFileIO *io, const char *path, const char *mode)
 {
-    FILE *f = strchr(mode, 'w') ? NULL : open_named(path);
+    const struct mesh *m = (const void *)io->UserData;
+    const bool whole = is_bytes(m, path);
+    FILE *f = NULL;
+    if (whole) f = fmemopen((void *)(uintptr_t)m->bytes, m->n_bytes, "rb");
+    else if (!strchr(mode, 'w')) f = open_named(path);
     if (!f) return NULL;
     struct source *s = xcalloc(1, sizeof *s);
-    mender *copy_to = mender_of((const void *)io->UserData, f);
+    mender *copy_to = whole ? NULL : mender_of(m, f); /* bytes are mended already, once */
     rewind(f);
     if (copy_to) f = mended_file(f, copy_to);
     const long end = fseek(f, 0, SEEK_END) == 0 ? ftell(f) : 0;
@@ -341,5 +351,5 @@ static void close_source(struct aiFileIO *io, struct aiFile *file)
 const struct aiScene *mesh_import(const struct mesh *m)
 {
     struct aiFileIO io = {open_source, close_source, (void *)(uintptr_t)m};
-    return aiImportFileEx(m->path, 0, &io);
+    return aiImportFileEx(m->bytes ? m->name : m->path, 0, &io);
 }

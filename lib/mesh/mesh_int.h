@@ -29,6 +29,7 @@ enum mesh_loss_kind {
     LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
     LOSS_EXTENSIONS,
+    LOSS_SCENES,
     LOSS_BONES,
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
@@ -134,6 +135,10 @@ enum mesh_stl { MESH_STL_NONE, MESH_STL_BYTES, MESH_STL_ODD };
 struct mesh {
     const struct aiScene *scene;
     const char *path; /* the caller's; pictures are looked for beside it */
+    /* Of standard input or a pipe, while it is read, mended; the name tells libassimp its kind. */
+    const unsigned char *bytes;
+    size_t n_bytes;
+    char name[8];
     struct mesh_options o;
     struct mesh_part *parts;
     size_t n_parts;
@@ -165,6 +170,8 @@ struct mesh {
     size_t n_sets;
     bool lost_colours;        /* of a PLY or OFF: it has some that are not read */
     bool bad_colours;         /* of a PLY: libassimp reads them wrong */
+    unsigned lost_scenes;     /* of glTF, besides the one that is shown */
+    unsigned viewpoints;      /* words of an X3D */
     unsigned lost_extensions; /* of glTF, without which places are others */
 };
 
@@ -206,8 +213,8 @@ void mesh_gltf_copy(FILE *from, FILE *to);
 /* A copy of *n bytes with parts mended that libassimp reads wrong, which the caller frees; NULL:
  * there are none. mark.c says which. */
 char *mesh_bytes_mended(const struct mesh *m, const unsigned char *data, size_t *n);
-/* aiImportFile, which passes over such a mark and mends such parts, also of the files that this one
- * names. Those may be there in another case. */
+/* aiImportFile, of the bytes if there are some. It passes over such a mark and mends such parts,
+ * also of the files that this one names. Those may be there in another case. */
 const struct aiScene *mesh_import(const struct mesh *m);
 /* A file that is there, and whose name differs in case at most, or has a byte where this one has
  * %XX; NULL: none. The caller frees it. */

@@ -2,7 +2,8 @@
  * stl: what libassimp takes wrong in an STL of bytes: anything behind the facets, and the colours
  * of Materialise Magics. There COLOR= in the header gives the colour of all facets, or MATERIAL=
  * does, which goes before; bit 15 is set in facets with that colour, and red is in the lowest bits.
- * VisCAM sets bit 15 in facets with a colour of their own, and has blue in the lowest bits.
+ * VisCAM sets bit 15 in facets with a colour of their own, and has blue in the lowest bits; others
+ * become grey, with an alpha, and here white.
  */
 #include "mesh/mesh_int.h"
 
@@ -30,6 +31,16 @@ static const unsigned char *behind(const unsigned char *header, const char *word
     return NULL;
 }
 
+/* True if bit 15 is set in some facets and not in others. Stands behind the facets. */
+static bool has_bare(FILE *f, uint64_t facets)
+{
+    unsigned char b[FACET];
+    bool is[2] = {false, false};
+    if (fseek(f, HEADER, SEEK_SET) != 0) return false;
+    while (facets-- && !(is[0] && is[1]) && fread(b, 1, FACET, f) == FACET) is[b[49] >> 7] = true;
+    return is[0] && is[1];
+}
+
 /* The count of a text would be that of more bytes than a file may have. */
 void mesh_stl_find(struct mesh *m, FILE *f)
 {
@@ -41,7 +52,8 @@ void mesh_stl_find(struct mesh *m, FILE *f)
     const bool named = (suffix && strcasecmp(suffix, ".stl") == 0) ||
                        strncasecmp((const char *)header, "solid", 5) == 0;
     if (size < whole || (size > whole && !named)) return;
-    m->stl = size > whole || behind(header, "COLOR=") ? MESH_STL_ODD : MESH_STL_BYTES;
+    const bool odd = size > whole || behind(header, "COLOR=") || has_bare(f, facets);
+    m->stl = odd ? MESH_STL_ODD : MESH_STL_BYTES;
     m->lost_bytes = size - whole;
 }
 
@@ -54,6 +66,8 @@ static bool has_colours(FILE *f, uint64_t facets)
     return false;
 }
 
+#define WHITE 0xffffU
+
 static unsigned fifth(unsigned char byte) { return (byte * 31U + 127) / 255; }
 
 void mesh_stl_copy(FILE *from, FILE *to)
@@ -63,7 +77,7 @@ void mesh_stl_copy(FILE *from, FILE *to)
     if (!read_header(from, header, &facets)) return;
     const unsigned char *all = behind(header, "MATERIAL="), *colour = behind(header, "COLOR=");
     if (!all) all = colour;
-    const bool own = colour && has_colours(from, facets);
+    const bool own = colour && has_colours(from, facets), bare = !colour && has_bare(from, facets);
     unsigned same = 0;
     if (colour) same = 0x8000 | fifth(all[0]) << 10 | fifth(all[1]) << 5 | fifth(all[2]);
     if (colour) header[colour - header - 1] = ' '; /* the = */
@@ -73,6 +87,7 @@ void mesh_stl_copy(FILE *from, FILE *to)
         unsigned c = b[48] | (unsigned)b[49] << 8;
         if (own && !(c & 0x8000)) c = 0x8000 | (c & 31) << 10 | (c & 0x3e0) | (c >> 10 & 31);
         else if (colour) c = same;
+        else if (bare && !(c & 0x8000)) c = WHITE;
         b[48] = (unsigned char)c, b[49] = (unsigned char)(c >> 8);
         fwrite(b, 1, FACET, to);
     }

@@ -113,7 +113,7 @@ void mesh_view_find(struct mesh *m)
     unsigned n = m->scene->mNumCameras, i = 0;
     set_resolution(m, 1);
     while (i < n && !take_camera(m, i)) i++;
-    m->loss[LOSS_BAD_CAMERAS].n = i;
+    m->loss[LOSS_BAD_CAMERAS].n = i + m->viewpoints;
     if (i < n) m->loss[LOSS_CAMERAS].n = n - i - 1;
     else fit_view(m);
 }
