@@ -55,6 +55,10 @@ done
 printf '%s\n' '#!/bin/sh' "$(sed -n '2,/^done/p' frail | sed 's/| rtworker g.nff/| rtworker "$@" g.nff/')" >wide && chmod +x wide
 partition -u tile:16x16 64x48 | { deal -e -q auto fan -1 -j 2 ./wide 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
 is 'a worker of two slots that dies: one pixel is given up' "$(cat status) $(grep '^deal: .* given up' said | cut -d, -f1)" '1 deal: frame 0: 1x1+20+20: given up'
+# While none of its workers is up, a fan sends beats itself: a fan around it, in a tree, would lose it as silent.
+echo '[ ! -e once ] || { sleep 1.2; exec rtworker g.nff; }; : >once; rtworker g.nff </dev/null | head -n 1; sed /^task/q >/dev/null; exit 1' >late
+partition -u tile:16x16 64x48 | deal fan -j 1 sh late 2>/dev/null | LC_ALL=C grep -ac '^beat' >beats
+ok 'a fan whose workers are away sends beats' [ "$(cat beats)" -ge 2 ]
 # With balance gdc each worker is behind a node, which ends as its worker did.
 for where in '-j 3' '-S hosts'; do
 	# shellcheck disable=SC2086

@@ -101,7 +101,7 @@ static void take_input(struct driver *d)
 {
     d->refused = stream_input(&d->in, &d->in_open, take_down, d);
     drive_consider(d);
-    outlet_beat(&d->out, &d->in);
+    outlet_beat_within(&d->out, &d->in);
     if (!d->in_open && !d->refused) drive_tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
 }
 

@@ -197,5 +197,5 @@ static int route(void *ctx, const struct record *r)
 void fan_take_input(struct fan *f)
 {
     f->refused = stream_input(&f->in, &f->in_open, route, f);
-    outlet_beat(&f->out, &f->in);
+    outlet_beat_within(&f->out, &f->in);
 }

@@ -125,6 +125,14 @@ static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     if (fan_slot_leaves(s)) fan_slot_left(f, s);
 }
 
+/* No slot is up whose beats would tell a fan around this one that it works on: it says so itself. */
+static bool beats(struct fan *f)
+{
+    if (f->n[FAN_UP] || !f->asked || f->listing) return false;
+    outlet_beat(&f->out);
+    return true;
+}
+
 void fan_round(struct fan *f)
 {
     struct pollfd *p = f->poll;
@@ -133,6 +141,7 @@ void fan_round(struct fan *f)
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
     credit_own_delay(f, looked_us);
+    if (beats(f) && wait_ms > PATIENCE_BEAT_US / 1000) wait_ms = PATIENCE_BEAT_US / 1000;
     if (f->n[FAN_CLOSED] + f->n[FAN_LOST] + f->n[FAN_ENDING] && wait_ms > LEAVING_MS)
         wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);

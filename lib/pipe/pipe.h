@@ -137,11 +137,11 @@ struct pollfd outlet_poll(const struct outlet *o);
 void outlet_polled(struct outlet *o, const struct pollfd *p);
 /* Writes queued records at once, if that cannot block. */
 void outlet_push(struct outlet *o);
-/*
- * Call after a read of the input. While a long body arrives, queues a `beat` now and then, because
- * no process behind this one can know of it yet.
- */
-void outlet_beat(struct outlet *o, const struct decoder *input);
+/* Queues a `beat` if the last one was a while ago. */
+void outlet_beat(struct outlet *o);
+/* The same after a read of the input while a long body arrives, because no process behind this one
+ * can know of it yet. */
+void outlet_beat_within(struct outlet *o, const struct decoder *input);
 /* Answers a flush with a `beat`, so that the sender gets an answer even if nothing was held
  * back. */
 void outlet_answer(struct outlet *o);

@@ -103,13 +103,17 @@ void outlet_push(struct outlet *o)
     if (o->most > PIPE_BUF && !o->full && !o->gone && up_size(&o->queue)) outlet_write(o);
 }
 
-void outlet_beat(struct outlet *o, const struct decoder *input)
+void outlet_beat(struct outlet *o)
 {
     int64_t now = now_us();
-    bool within_body = buf_size(&input->in) > WIRE_LINE_MAX && !input->ended;
-    if (!within_body || !o->greeted || now - o->beat_us < PATIENCE_BEAT_US) return;
+    if (!o->greeted || now - o->beat_us < PATIENCE_BEAT_US) return;
     o->beat_us = now;
     wire_plain(&o->queue.control, REC_BEAT, NULL);
+}
+
+void outlet_beat_within(struct outlet *o, const struct decoder *input)
+{
+    if (buf_size(&input->in) > WIRE_LINE_MAX && !input->ended) outlet_beat(o);
 }
 
 void outlet_answer(struct outlet *o)

@@ -307,7 +307,7 @@ static size_t fill_poll(struct forks *p, struct pollfd *at)
  * itself. */
 static void beat(struct forks *p, int64_t now)
 {
-    outlet_beat(&p->out, &p->w->in);
+    outlet_beat_within(&p->out, &p->w->in);
     if (now - p->beat_us < PATIENCE_BEAT_US || !has_work(p)) return;
     p->beat_us = now;
     wire_plain(&p->out.queue.control, REC_BEAT, NULL);
