@@ -41,7 +41,7 @@ const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT])
 void fan_say_repeats(struct fan_host *h)
 {
     if (h->repeats)
-        warn("%s: slots were lost %d more times for the same reason",
+        warn("%s: losses for the same reason that were not shown: %d",
             h->here ? "this machine" : h->host->name, h->repeats);
     h->repeats = 0;
 }
