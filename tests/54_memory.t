@@ -91,14 +91,14 @@ printf 'large slots=1 via="sh -c %%c"\n' >>mixed
 for method in 'deal -q auto -e fan' 'ringctl -e fan'; do
 	node='' && [ "${method#ringctl}" = "$method" ] || node='ringctl -n'
 	# shellcheck disable=SC2086  # words
-	run sh -c "$method -S mixed $node sh -c '[ \"\$(ulimit -v)\" != unlimited ] || sleep 1; exec vcworker - -' \
+	run sh -c "$method -t 600 -S mixed $node sh -c '[ \"\$(ulimit -v)\" != unlimited ] || sleep 1; exec vcworker - -' \
 		<film.task | gather -o mixed-%d.pfm"
 	is "$method: all is computed, nothing given up, no slot lost" "$status $(echo "$err" | grep -cE 'given up|lost')" '0 0'
 	ok "$method: the picture is that without a limit" cmp mixed-1.pfm whole-1.pfm
 	rm -f mixed-*.pfm
 done
 # A node of the ring holds state on its way to the worker, and refuses it with the same words.
-run sh -c 'ringctl -e fan -S hosts ringctl -n vcworker - - <film.task | gather -o ring-%d.pfm'
+run sh -c 'ringctl -e fan -t 600 -S hosts ringctl -n vcworker - - <film.task | gather -o ring-%d.pfm'
 is 'nodes: no slot is lost, and other frames are whole' "$(echo "$err" | grep -c lost) $(echo ring-*.pfm)" '0 ring-0.pfm ring-2.pfm'
 is 'each node says why' "$(echo "$err" | grep -cE "^[ab]: ringctl: ${needs#vcworker: }\$")" 2
 like 'nodes: the frame is given up' "$err" '^ringctl: frame 1: given up, because it fits the memory of no slot that is up: '

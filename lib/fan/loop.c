@@ -125,7 +125,7 @@ static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     if (fan_slot_leaves(s)) fan_slot_left(f, s);
 }
 
-/* No slot is up whose beats would tell a fan around this one that it works on: it says so itself. */
+/* No slot is up whose beats would tell a fan around this one that it goes on: it says so itself. */
 static bool beats(struct fan *f)
 {
     if (f->n[FAN_UP] || !f->asked || f->listing) return false;
