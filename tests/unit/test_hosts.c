@@ -154,7 +154,7 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("a bin=here", 1, "bin='here'");
     refused("a bin=/a:/b", 1, "bin='/a:/b'");
     refused("a cores=4", 1, "'cores': unknown");
-    refused("a slots", 1, "'slots': unknown");
+    refused("a slots", 1, "slots without a value, expected slots=VALUE");
     refused("slots=4", 1, "no host name");
     refused("-x", 1, "no host name");
     refused("\"a b\"", 1, "no host name");
