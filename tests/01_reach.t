@@ -5,7 +5,7 @@
 needs git nm /usr/include/cmocka.h
 # shellcheck disable=SC2154  # lib.sh sets them
 cd "$root" || exit 3
-unset BUILD BIN TAP FIRST NIGHT CI
+unset BUILD BIN TAP FIRST NIGHT CI CHANGED
 
 # reached KIND FILE ...: for a change of these files, in a line
 reached() {

@@ -142,7 +142,7 @@ masterslave worker exit-255
 hybrid ssh signal-9
 dc session exit-255
 ds worker exit-255
-gdc worker exit-3
+gdc worker signal-9
 gdc ssh signal-9
 gdc session exit-255
 END

@@ -12,7 +12,7 @@
 #include <strings.h>
 
 #define AXES 16 /* the format's limit */
-#define FLAT -1
+#define FLAT (-1)
 
 enum field {
     TYPE,
