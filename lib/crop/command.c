@@ -108,7 +108,7 @@ static int watch(pid_t pid, int err, const char *name)
     fcntl(err, F_SETFL, O_NONBLOCK); /* another process of the group may hold it open */
     while (read_tail(err, &tail)) continue;
     show_tail(name, &tail);
-    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    return status_code(status);
 }
 
 static int keep(void *ctx)
@@ -177,7 +177,7 @@ int crop_run(char *const words[], const struct crop_place *place, struct buf *ou
     int status = wait_for(&c);
     if (status == 0) return 0;
     char text[24];
-    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    int code = status_code(status);
     if (code > 128 && code <= 128 + SIGRTMAX)
         err_set(err, "%s: ended by signal %d%s", words[0], code - 128,
             status_hint(status_text(status, text)));

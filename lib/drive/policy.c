@@ -12,7 +12,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 /* For the command, which may be a fan whose launchers need their time. */
@@ -196,8 +195,7 @@ static int finish(struct driver *d, char *const *command, int status)
         wire_bye(&d->out.queue.bulk, d->why);
         up_end_record(&d->out.queue);
         outlet_drain(&d->out);
-        if (d->node && unfinished && status && !d->out.gone)
-            return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+        if (d->node && unfinished && status && !d->out.gone) return status_code(status);
         if (left && !signals_came())
             warn("%s ended with %" PRId64 " tasks unfinished%s", command[0], left, end);
         else if (unfinished && !nobody && !signals_came())

@@ -193,6 +193,11 @@ int child_run(char *const argv[], int in, int err, struct buf *said)
     close(out[0]);
     if (pid < 0) return -1;
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+    return status_code(status);
+}
+
+int status_code(int status)
+{
     return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
 

@@ -55,6 +55,8 @@ int child_end(struct child *c, int grace_ms);
  * signal that ended it; -1 with errno if there can be no process.
  */
 int child_run(char *const argv[], int in, int err, struct buf *said);
+/* The exit status of a wait status, by which a shell states a signal as 128 and its number. */
+int status_code(int status);
 /* "exit-3", "signal-9" for a wait status, into text[24]. 137, the status of a shell whose command
  * was ended by signal 9, is that signal; launchers choose other numbers above 128 themselves. */
 const char *status_text(int status, char text[24]);

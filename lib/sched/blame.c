@@ -26,9 +26,14 @@ void blame_free(struct blame *b)
     frames_free(&b->frames);
     tasks_free(&b->tasks);
     free(b->lost);
+    refuse_free(&b->refusals);
 }
 
-void blame_note(struct blame *b, const struct task *t) { pieces_note_id(&b->frames, t); }
+void blame_note(struct blame *b, const struct task *t)
+{
+    pieces_note_id(&b->frames, t);
+    refuse_begin(&b->refusals, t->generation);
+}
 
 struct blame_frame *blame_frame(const struct blame *b, const struct task *t)
 {
@@ -96,7 +101,8 @@ int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_
 
 bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone)
 {
-    bool aside = blame_frame(b, &ledger->at[i].task)->aside;
+    const struct task *t = &ledger->at[i].task;
+    bool aside = blame_frame(b, t)->aside || refuse_all(&b->refusals, t->generation);
     return alone || aside || blame_sum(b, ledger, i) >= b->most;
 }
 
@@ -178,7 +184,7 @@ int32_t blame_pick(const struct blame *b, const struct task *t, const struct slo
     bool best_was = true;
     for (int32_t k = -1, n = of->count; n > 0; n--) {
         k = set_after(of, k);
-        if (may && !may(context, k)) continue;
+        if ((may && !may(context, k)) || refuse_is(&b->refusals, t->generation, k)) continue;
         bool was = blame_is(b, t, k);
         bool better = was != best_was ? best_was : lost_of(b, k) < lost_of(b, best < 0 ? k : best);
         if (best < 0 || better) best = k, best_was = was;
@@ -186,11 +192,13 @@ int32_t blame_pick(const struct blame *b, const struct task *t, const struct slo
     return best;
 }
 
-void blame_abandon(const struct task_table *ledger, int32_t i, bool all, struct sched_actions *out)
+void blame_abandon(const struct blame *b, const struct task_table *ledger, int32_t i, bool all,
+    struct sched_actions *out)
 {
     struct task t = ledger->at[i].task;
     t.at = pieces_missing(&ledger->at[i]);
     sched_act(out, SCHED_ABANDON, -1, &t);
     out->at[out->n - 1].origin_id = pieces_came_as(ledger, i);
     out->at[out->n - 1].all = all;
+    out->at[out->n - 1].refused = refuse_all(&b->refusals, t.generation);
 }

@@ -13,6 +13,7 @@
 #define STORMRING_SCHED_BLAME_H
 
 #include "sched/pieces.h"
+#include "sched/refuse.h"
 #include "sched/sched.h"
 #include "sched/slot_set.h"
 
@@ -31,6 +32,7 @@ struct blame_frame {
 
 struct blame {
     int32_t most;
+    struct refusals refusals;
     struct frames frames;    /* all frames of the input */
     struct task_table tasks; /* that were lost, and are not committed */
     int32_t *lost;           /* of each slot: how often it was, while it computed a task */
@@ -56,7 +58,8 @@ bool blame_is(const struct blame *b, const struct task *t, int32_t k);
 /* The same of entry i of a ledger, and of the tasks that it is a piece of: each may have been lost
  * for this piece. */
 int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_t i);
-/* Is the entry, or its frame, to be aside? alone: it was before, see below. */
+/* Is the entry, or its frame, to be aside, or do all slots refuse it? alone: it was aside before,
+ * see below. */
 bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone);
 /*
  * What to do with entry i of a ledger, which is on the list `aside`, when nothing else is to be
@@ -91,12 +94,14 @@ void blame_tried(struct blame *b, const struct task *t);
 bool blame_due(struct blame *b, bool quiet, bool ended, int64_t now);
 /* When to ask again; INT64_MAX: after the next event. */
 int64_t blame_wake_us(const struct blame *b, int64_t now);
-/* The slot to try the task: of these, one that was not lost over it, and then the one lost least.
+/* The slot to try the task: of these, one that does not refuse it; of those, one that was not lost
+ * over it, and then the one lost least.
  * may: NULL, or those that it is true of. -1: none. */
 int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,
     bool (*may)(const void *context, int32_t k), const void *context);
 /* Says that the missing pixels of entry i are given up; all: and those of its frame. */
-void blame_abandon(const struct task_table *ledger, int32_t i, bool all, struct sched_actions *out);
+void blame_abandon(const struct blame *b, const struct task_table *ledger, int32_t i, bool all,
+    struct sched_actions *out);
 /* The task has left the ledger. */
 void blame_forget(struct blame *b, const struct task *t);
 

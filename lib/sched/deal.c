@@ -52,7 +52,6 @@ static void deal_destroy(void *state)
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
     blame_free(&d->blame);
-    refuse_free(&d->refusals);
     cost_free(&d->costs);
     deal_close_room(d);
     free(d->slots);
@@ -89,7 +88,7 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 static void feed(struct deal *d)
 {
     d->fed = false;
-    for (int32_t k = 0; d->refusals.n && k < d->n_slots; k++) {
+    for (int32_t k = 0; d->blame.refusals.n && k < d->n_slots; k++) {
         bool was = d->slots[k].starved;
         d->slots[k].starved = false;
         if (was) deal_mark(d, k);

@@ -60,7 +60,7 @@ void deal_aside_fail(struct deal *d, int32_t k, int32_t c, bool refused, struct 
     else if (d->slots[k].state == SLOT_UP) {
         sched_act(out, SCHED_BLAME, k, t);
         out->at[out->n - 1].refused = true;
-        refuse_add(&d->refusals, t->generation, k);
+        refuse_add(&d->blame.refusals, t->generation, k);
     }
     d->slots[k].stalled = false;
     deal_lose_copy(d, k, c);
@@ -74,8 +74,8 @@ void deal_aside_well(struct deal *d, const struct task *t)
 void deal_aside_settle(struct deal *d)
 {
     uint32_t generation;
-    while (refuse_settle(&d->refusals, d->up, d->now_us, &generation))
-        move_all(d, refuse_all(&d->refusals, generation) ? ASIDE : IN_POOL, NULL, generation);
+    while (refuse_settle(&d->blame.refusals, d->up, d->now_us, &generation))
+        move_all(d, refuse_all(&d->blame.refusals, generation) ? ASIDE : IN_POOL, NULL, generation);
 }
 
 /* From entry i of the pool on, the first that slot k does not refuse; -1: none. */
@@ -109,21 +109,10 @@ static bool is_quiet(const struct deal *d)
     return !d->pool.count && i < 0;
 }
 
-struct choice {
-    const struct deal *d;
-    int32_t i;
-};
-static bool accepts(const void *context, int32_t k)
-{
-    const struct choice *c = context;
-    return !deal_refuses(c->d, k, c->i);
-}
-
 /* False: no slot is idle. */
 static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
-    const struct choice c = {d, i};
-    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, accepts, &c);
+    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, NULL, NULL);
     if (k < 0) return false;
     deal_take(d, i);
     deal_give(d, k, i, now, out);
@@ -132,8 +121,7 @@ static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *o
 
 static void abandon(struct deal *d, int32_t i, bool all, struct sched_actions *out)
 {
-    blame_abandon(&d->ledger, i, all, out);
-    out->at[out->n - 1].refused = refuse_all(&d->refusals, task_of(d, i)->generation);
+    blame_abandon(&d->blame, &d->ledger, i, all, out);
     deal_commit(d, i, out);
 }
 
@@ -144,7 +132,8 @@ static int64_t returns_us(const struct deal *d, uint32_t generation)
     for (int32_t k = 0; k < d->n_slots && until_us < INT64_MAX; k++) {
         const struct slot *s = &d->slots[k];
         if (s->state == SLOT_NEW && k < d->known) until_us = INT64_MAX;
-        if (s->state == SLOT_GONE && s->width) until_us = refuse_until_us(&d->refusals, generation);
+        if (s->state == SLOT_GONE && s->width)
+            until_us = refuse_until_us(&d->blame.refusals, generation);
     }
     return until_us;
 }
@@ -176,7 +165,7 @@ static void halve(struct deal *d, int32_t i, int64_t now, struct sched_actions *
 static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
     int32_t *alone = &deal_account(d, i)->alone;
-    if (refuse_all(&d->refusals, task_of(d, i)->generation)) {
+    if (refuse_all(&d->blame.refusals, task_of(d, i)->generation)) {
         try_refused(d, i, now, out);
         return;
     }

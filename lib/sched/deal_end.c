@@ -75,8 +75,8 @@ static int32_t lowest(const struct slot_set *s) { return set_after(s, -1); }
 static int32_t lowest_willing(const struct deal *d, const struct slot_set *s)
 {
     int32_t k = lowest(s);
-    for (int32_t n = d->refusals.n ? s->count : 0; n > 0; n--, k = set_after(s, k))
-        if (!refuse_any(&d->refusals, k)) break;
+    for (int32_t n = d->blame.refusals.n ? s->count : 0; n > 0; n--, k = set_after(s, k))
+        if (!refuse_any(&d->blame.refusals, k)) break;
     return k;
 }
 

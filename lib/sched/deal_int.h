@@ -17,7 +17,6 @@
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
-#include "sched/refuse.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
 
@@ -89,7 +88,6 @@ struct deal {
     struct task_list pool, out, aside;
     int32_t pool_of[GENERATIONS]; /* entries of the pool by generation, modulo GENERATIONS */
     struct blame blame;
-    struct refusals refusals;
     bool fed; /* tasks of a generation have come to the pool that had none of it */
     int64_t now_us;
     struct costs costs;
@@ -132,13 +130,13 @@ static inline bool deal_timed(const struct deal *d) { return deal_adapts(d) && d
 /* Does slot k refuse entry i? */
 static inline bool deal_refuses(const struct deal *d, int32_t k, int32_t i)
 {
-    return d->refusals.n && refuse_is(&d->refusals, d->ledger.at[i].task.generation, k);
+    return d->blame.refusals.n && refuse_is(&d->blame.refusals, d->ledger.at[i].task.generation, k);
 }
 
 /* Slot k is not up any more, and refuses nothing. */
 static inline void deal_accepts(struct deal *d, int32_t k)
 {
-    refuse_end(&d->refusals, k);
+    refuse_end(&d->blame.refusals, k);
     d->slots[k].starved = false;
 }
 

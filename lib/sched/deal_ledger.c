@@ -10,7 +10,6 @@ int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w)
     deal_account(d, i)->piece = PIECE_OF_NONE;
     deal_open_account(d, i, 0);
     blame_note(&d->blame, t);
-    refuse_begin(&d->refusals, t->generation);
     return i;
 }
 
@@ -87,8 +86,7 @@ void deal_put_first(struct deal *d, int32_t i)
 
 bool deal_bad(const struct deal *d, int32_t i)
 {
-    return refuse_all(&d->refusals, d->ledger.at[i].task.generation) ||
-           blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
+    return blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
 }
 
 void deal_put_last(struct deal *d, int32_t i)

@@ -41,7 +41,6 @@ static void ring_destroy(void *state)
     if (!h) return;
     tasks_free(&h->ledger);
     blame_free(&h->blame);
-    refuse_free(&h->refusals);
     cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
@@ -107,7 +106,7 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     if (had) hub_aside_blame(h, k, out);
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
-    refuse_end(&h->refusals, k);
+    refuse_end(&h->blame.refusals, k);
     hub_aside_settle(h, out);
     hub_lost(h, k);
     for (int l = 0; l < 2; l++)

@@ -29,7 +29,7 @@ void hub_aside_fail(struct hub *h, int32_t k, int32_t i, bool refused, struct sc
     else if (hub_is_up(h, k)) {
         sched_act(out, SCHED_BLAME, k, task_of(h, i));
         out->at[out->n - 1].refused = true;
-        refuse_add(&h->refusals, task_of(h, i)->generation, k);
+        refuse_add(&h->blame.refusals, task_of(h, i)->generation, k);
         hub_aside_settle(h, out);
     }
     hub_pass_on(h, i, k, out);
@@ -52,8 +52,8 @@ static void start_all(
 void hub_aside_settle(struct hub *h, struct sched_actions *out)
 {
     uint32_t generation;
-    while (refuse_settle(&h->refusals, h->up.count, h->now_us, &generation)) {
-        if (!refuse_all(&h->refusals, generation)) start_all(h, NULL, generation, out);
+    while (refuse_settle(&h->blame.refusals, h->up.count, h->now_us, &generation)) {
+        if (!refuse_all(&h->blame.refusals, generation)) start_all(h, NULL, generation, out);
         else
             for (int32_t i = h->rest.head, next; i >= 0; i = next) {
                 next = h->ledger.at[i].next;
@@ -80,21 +80,16 @@ static bool is_quiet(const struct hub *h)
     return !h->pool.count && !h->rest.count;
 }
 
-struct choice {
-    const struct hub *h;
-    int32_t i;
-};
-static bool is_free(const void *context, int32_t k)
+static bool has_nothing(const void *context, int32_t k)
 {
-    const struct choice *c = context;
-    return !c->h->nodes[k].held.count && !hub_refuses(c->h, k, c->i);
+    const struct hub *h = context;
+    return !h->nodes[k].held.count;
 }
 
 /* The node to try entry i; -1: none. */
 static int32_t node_for(const struct hub *h, int32_t i)
 {
-    const struct choice c = {h, i};
-    return blame_pick(&h->blame, task_of(h, i), &h->up, is_free, &c);
+    return blame_pick(&h->blame, task_of(h, i), &h->up, has_nothing, h);
 }
 
 /* False: no node is there. */
@@ -109,8 +104,7 @@ static bool give(struct hub *h, int32_t i, struct sched_actions *out)
 
 static void abandon(struct hub *h, int32_t i, bool all, struct sched_actions *out)
 {
-    blame_abandon(&h->ledger, i, all, out);
-    out->at[out->n - 1].refused = refuse_all(&h->refusals, task_of(h, i)->generation);
+    blame_abandon(&h->blame, &h->ledger, i, all, out);
     hub_commit(h, i, out);
 }
 
@@ -121,7 +115,8 @@ static int64_t returns_us(const struct hub *h, uint32_t generation)
     for (int32_t k = 0; k < h->n_nodes && until_us < INT64_MAX; k++) {
         const struct hub_node *s = &h->nodes[k];
         if (s->state == NODE_NEW) until_us = INT64_MAX;
-        if (s->state == NODE_GONE && s->width) until_us = refuse_until_us(&h->refusals, generation);
+        if (s->state == NODE_GONE && s->width)
+            until_us = refuse_until_us(&h->blame.refusals, generation);
     }
     return until_us;
 }
@@ -154,7 +149,7 @@ static void halve(struct hub *h, int32_t i, struct sched_actions *out)
 static void try_entry(struct hub *h, int32_t i, struct sched_actions *out)
 {
     int32_t *alone = &hub_task(h, i)->alone;
-    if (refuse_all(&h->refusals, task_of(h, i)->generation)) {
+    if (refuse_all(&h->blame.refusals, task_of(h, i)->generation)) {
         try_refused(h, i, out);
         return;
     }

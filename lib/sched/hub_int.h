@@ -20,7 +20,6 @@
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
-#include "sched/refuse.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
 
@@ -78,7 +77,6 @@ struct hub {
     struct task_list cut;     /* tasks of no node whose pieces are missing */
     struct task_list aside;   /* tasks that cost nodes */
     struct blame blame;
-    struct refusals refusals;
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
@@ -129,7 +127,7 @@ static inline bool hub_works(const struct hub *h, int32_t k)
 /* Does node k refuse entry i? */
 static inline bool hub_refuses(const struct hub *h, int32_t k, int32_t i)
 {
-    return h->refusals.n && refuse_is(&h->refusals, h->ledger.at[i].task.generation, k);
+    return h->blame.refusals.n && refuse_is(&h->blame.refusals, h->ledger.at[i].task.generation, k);
 }
 /* ---- hub_owner.c ----------------------------------------------------------------------------- */
 

@@ -75,7 +75,7 @@ void hub_drain(struct hub *h, int32_t k, struct sched_actions *out)
     if (s->state != NODE_UP) return;
     s->state = NODE_DRAINS;
     set_put(&h->up, k, false);
-    refuse_end(&h->refusals, k);
+    refuse_end(&h->blame.refusals, k);
     hub_aside_settle(h, out);
     hub_lost(h, k);
     for (int32_t kept = 0; i >= 0 && kept < s->width; kept++) i = h->ledger.at[i].next;

@@ -59,7 +59,6 @@ int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w)
     hub_task(h, i)->piece = PIECE_OF_NONE;
     hub_task(h, i)->owner = hub_task(h, i)->from = -1;
     blame_note(&h->blame, t);
-    refuse_begin(&h->refusals, t->generation);
     return i;
 }
 
@@ -99,8 +98,7 @@ int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n)
 
 bool hub_bad(const struct hub *h, int32_t i)
 {
-    return refuse_all(&h->refusals, h->ledger.at[i].task.generation) ||
-           blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone);
+    return blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone);
 }
 
 void hub_remove(struct hub *h, int32_t i)
@@ -112,7 +110,7 @@ void hub_remove(struct hub *h, int32_t i)
     recount(h, parent, -1);
     pieces_remove(&h->ledger, i);
     recount(h, parent, 1);
-    if (!h->refusals.n || tasks_in_generation(&h->ledger, generation)) return;
+    if (!h->blame.refusals.n || tasks_in_generation(&h->ledger, generation)) return;
     for (int32_t k = 0; k < h->n_nodes; k++)
-        if (refuse_is(&h->refusals, generation, k)) hub_mark(h, k);
+        if (refuse_is(&h->blame.refusals, generation, k)) hub_mark(h, k);
 }

@@ -76,9 +76,9 @@ static void mark_rich(struct hub *h, int32_t k, bool rich)
 /* Does node k refuse a task that others have? Then it does not ask them for any. */
 static bool refuses(const struct hub *h, int32_t k)
 {
-    if (!h->refusals.n || !refuse_any(&h->refusals, k)) return false;
+    if (!h->blame.refusals.n || !refuse_any(&h->blame.refusals, k)) return false;
     for (uint32_t g = 0; g < GENERATIONS; g++)
-        if (refuse_is(&h->refusals, g, k) && tasks_in_generation(&h->ledger, g)) return true;
+        if (refuse_is(&h->blame.refusals, g, k) && tasks_in_generation(&h->ledger, g)) return true;
     return false;
 }
 
