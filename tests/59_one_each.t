@@ -106,6 +106,19 @@ for method in adaptive auto dc gdc hybrid interleaved sc; do
 	run balance $method -T 2 -S four.hosts -s 60x44 -o a.pfm 0.nff
 	is "balance $method -T 2" "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
 done
+# A host that cannot be used, one that is not ready, and one that is lost after its first pixels leave the head to the next.
+printf '%s\n' '#!/bin/sh' 'exit $1' >ends
+printf '%s\n' '#!/bin/sh' '[ ! -e once ] || exec sh -c "$1"' ': >once; sh -c "$1" | dd bs=1 count=4000 2>/dev/null' >cut && chmod +x ends cut
+for head in 'ends 127' 'ends 1' cut; do
+	rm -f once a.pfm
+	{ echo "lame via=\"./$head %c\""; sed -n '2,4p' four.hosts; } >lame.hosts
+	run balance adaptive -T 4 -S lame.hosts -s 60x44 -o a.pfm 0.nff
+	is "its head has: $head" "$status $(cmp a.pfm good0.pfm 2>&1)" '0 '
+	like "its head has: $head: the next is named" "$err" '^fan: (slot 0 on )?lame: .*; its rack is led by b$'
+done
+printf 'lame%d via="./ends 127 %%c"\n' 1 2 >lame.hosts
+run balance adaptive -T 2 -S lame.hosts -s 60x44 -o a.pfm 0.nff
+is 'a rack of which no host can be used is given up' "$status $(grep -c 'led by' .err) $(grep -c 'no slot left' .err)" '3 1 1'
 run balance adaptive -T 2 -v 1 -S four.hosts -s 60x44 -o a.pfm 0.nff
 like 'a tree cannot be verified' "$status $(tail -n 1 .err)" '^2 balance: -v: a tree of racks, expected at most [0-9]+ hosts$'
 run balance adaptive -T 2 -j 2 -s 60x44 -o a.pfm 0.nff

@@ -314,7 +314,7 @@ like "another job: the message names the slots" "$(cat said)" \
 # The liar is the first slot; the others contradict it. It sends no pixels, so that the picture cannot be whole before.
 scene() { pack scene gears.nff; }
 for slots in 2 3; do
-	printf '#!/bin/sh\nmkdir first 2>/dev/null || { %s; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL | { head -n 2; while echo beat; do sleep .2; done; }\n' "$announced" >old
+	printf '#!/bin/sh\nmkdir first 2>/dev/null || { %s; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL | { sed -u "/^frame /q"; while echo beat; do sleep .2; done; }\n' "$announced" >old
 	rm -rf first out.pfm
 	contradicted $slots scene
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3

@@ -13,7 +13,7 @@
 enum fan_pack { FAN_PACK_AUTO, FAN_PACK_ON, FAN_PACK_OFF };
 
 struct fan_options {
-    const struct hosts *hosts;
+    struct hosts *hosts;     /* racks change their heads */
     char *const *command;    /* NULL-ended: the worker, one for each slot */
     struct hosts_sent *sent; /* programs for hosts without any, by hosts_send */
     bool trips;              /* fan -l: round trips as well */

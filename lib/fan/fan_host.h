@@ -14,7 +14,7 @@ struct fan_jump {
 };
 
 struct fan_host {
-    const struct host *host;
+    struct host *host;
     char **argv;       /* command line of each of its slots */
     bool here;         /* this machine: no connection can fail */
     bool by_ssh;       /* its launcher is ssh */
@@ -38,6 +38,12 @@ struct fan_host {
     int shown;
     int64_t dropped; /* lines not shown, and not yet reported */
 };
+
+/* The hosts that can be connected for a slot of this one: several for a rack. */
+static inline int fan_host_heads(const struct fan_host *h)
+{
+    return h->host->n_members ? (int)h->host->n_members : 1;
+}
 
 /* A slot was lost while it computed this task. */
 #define FAN_DEATHS 64

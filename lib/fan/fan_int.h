@@ -4,12 +4,12 @@
  * (the life of a slot); connect.c (the order of connections); join.c (a hosts file that changes);
  * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
  * end); code.c (packed records); up.c (what workers send); err.c (their standard error); send.c
- * (programs for hosts that have none); list.c (fan -l).
+ * (programs for hosts that have none); list.c (fan -l). command.h has command lines.
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
-#include "fan/fan.h"
+#include "fan/command.h"
 #include "fan/fan_host.h"
 #include "patience/patience.h"
 #include "pipe/pipe.h"
@@ -251,7 +251,7 @@ bool fan_excuse(struct fan *f, const struct fan_slot *s);
 
 /* ---- report.c ---- */
 /* The wait before the next try after this number of failures in a row. */
-int64_t fan_retry_wait_us(int failures);
+int64_t fan_retry_wait_us(const struct fan_host *h, int failures);
 /* True if tries= allows the host no other connection. */
 bool fan_host_exhausted(const struct fan_host *h);
 /* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
@@ -320,12 +320,9 @@ void fan_connect_limit(struct fan *f);
 /* ---- join.c ---- */
 /* Adds a host of this line, without slots; n slots of host h of f->hosts, with the next numbers.
  * Pointers to hosts; and to slots change. */
-void fan_add_host(struct fan *f, const struct host *line);
+void fan_add_host(struct fan *f, struct host *line);
 void fan_add_slots(struct fan *f, int h, int n);
-/* The command line of the worker to agree with. host_argv_free frees it. */
-char **fan_reference_line(const struct fan *f);
-/* The slots of a line: a node of a ring is one, whatever its worker has; workers of hosts. */
-int fan_numbers(const struct fan *f, const struct host *line);
+/* The number of workers of these hosts. */
 int fan_workers(const struct fan *f, const struct hosts *h);
 /* Takes a new version of the hosts file, if there is one. */
 void fan_join(struct fan *f);

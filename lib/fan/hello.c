@@ -55,7 +55,7 @@ void fan_ask_reference(struct fan *f)
     bool elsewhere = false;
     for (int i = 0; i < f->n_hosts; i++) elsewhere |= !f->hosts[i].here;
     if (!elsewhere) return;
-    char **argv = fan_reference_line(f);
+    char **argv = fan_reference_line(f->o);
     if (child_start(&c, argv) != 0) {
         warn("%s:", argv[0]);
     } else {

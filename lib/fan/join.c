@@ -27,64 +27,12 @@ int fan_staff(const struct fan *f)
 
 /* ---- the tables ---- */
 
-/* The words of a command before its worker: those of a node of a ring. */
-static size_t words_of_node(char *const *command)
-{
-    bool node = *command && command[1] && strcmp(command[0], "ringctl") == 0;
-    return node && strcmp(command[1], "-n") == 0 && command[2] ? 2 : 0;
-}
-
-/* The command line with these words, NULL-ended, before word `at` of the command. */
-static char **insert(const struct host *h, char *const *command, size_t at, char *const *more)
-{
-    size_t n = 0, m = 0;
-    while (command[n]) n++;
-    while (more[m]) m++;
-    char **words = xcalloc(n + m + 1, sizeof *words);
-    memcpy(words, command, at * sizeof *words);
-    memcpy(words + at, more, m * sizeof *words);
-    memcpy(words + at + m, command + at, (n - at) * sizeof *words);
-    char **argv = host_argv(h, words);
-    free(words);
-    return argv;
-}
-
-/*
- * The command line of a worker with this number of slots; or of the head of a rack. There tasks are
- * neither cut nor copied, because a method without a policy would drop the results.
- */
-static char **command_line(const struct host *h, char *const *command, int slots)
-{
-    char number[16], jobs[] = "-j";
-    char deal[] = "deal", queue[] = "-q", one[] = "1";
-    char fan[] = "fan", each[] = "-1", hosts[] = "-S";
-    size_t at = words_of_node(command);
-    if (!*command || (slots == 1 && !h->rack)) return host_argv(h, command);
-    if (h->rack)
-        return insert(
-            h, command, at, (char *const[]){deal, queue, one, fan, each, hosts, h->rack, NULL});
-    snprintf(number, sizeof number, "%d", slots);
-    return insert(h, command, at + 1, (char *const[]){jobs, number, NULL});
-}
-
-char **fan_reference_line(const struct fan *f)
-{
-    char name[] = ":", rack[] = ": slots=1\n";
-    struct host here = {.name = name, .slots = 1, .rack = f->o->racks ? rack : NULL};
-    return command_line(&here, f->o->command, 1);
-}
-
-int fan_numbers(const struct fan *f, const struct host *line)
-{
-    return f->o->one_each && words_of_node(f->o->command) ? 1 : line->slots;
-}
-
 int fan_workers(const struct fan *f, const struct hosts *h)
 {
     return f->o->one_each ? (int)h->n : h->slots;
 }
 
-void fan_add_host(struct fan *f, const struct host *line)
+void fan_add_host(struct fan *f, struct host *line)
 {
     if (f->n_hosts == f->room_hosts) {
         struct fan_host *before = f->hosts;
@@ -96,7 +44,7 @@ void fan_add_host(struct fan *f, const struct host *line)
         free(before);
     }
     f->hosts[f->n_hosts++] = (struct fan_host){.host = line,
-        .argv = command_line(line, f->o->command, f->o->one_each ? line->slots : 1),
+        .argv = fan_command_line(line, f->o->command, f->o->one_each ? line->slots : 1),
         .here = host_is_here(line),
         .by_ssh = host_by_ssh(line)};
     f->n_by_ssh += host_by_ssh(line);
@@ -192,12 +140,12 @@ static int kept_by(const struct fan *f, const struct host *line)
 }
 
 /* Power and number of slots may have changed. */
-static void keep(struct fan *f, int i, const struct host *line, struct changes *c)
+static void keep(struct fan *f, int i, struct host *line, struct changes *c)
 {
     struct fan_host *h = &f->hosts[i];
     h->kept = true;
     h->host = line;
-    int more = fan_numbers(f, line) - slots_of(f, h);
+    int more = fan_numbers(f->o, line) - slots_of(f, h);
     if (more > 0) {
         fan_add_slots(f, i, more);
         c->joined += more;
@@ -208,21 +156,21 @@ static void keep(struct fan *f, int i, const struct host *line, struct changes *
         if (f->slots[k].host == h) fan_slot_set_power(f, &f->slots[k], line->power);
 }
 
-static void take_version(struct fan *f, const struct hosts *new)
+static void take_version(struct fan *f, struct hosts *new)
 {
     struct changes c = {0};
     for (int i = 0; i < f->n_hosts; i++) f->hosts[i].kept = false;
     for (size_t i = 0; i < new->n; i++) {
-        const struct host *line = &new->at[i];
+        struct host *line = &new->at[i];
         int kept = kept_by(f, line);
         if (kept >= 0) {
             keep(f, kept, line, &c);
             continue;
         }
         fan_add_host(f, line);
-        fan_add_slots(f, f->n_hosts - 1, fan_numbers(f, line));
+        fan_add_slots(f, f->n_hosts - 1, fan_numbers(f->o, line));
         f->hosts[f->n_hosts - 1].kept = true;
-        c.joined += fan_numbers(f, line);
+        c.joined += fan_numbers(f->o, line);
     }
     for (int i = 0; i < f->n_hosts; i++) {
         struct fan_host *h = &f->hosts[i];

@@ -170,10 +170,14 @@ static bool at_work(const struct fan_slot *s)
 }
 
 /*
- * The slot's host has not had its first try, or is having it. Silent hosts may delay that, because
- * only a few are tried at a time.
+ * The slot's host, or one of its rack, has not had its first try, or is having it. Silent hosts may
+ * delay that, because only a few are tried at a time.
  */
-static bool untried(const struct fan_slot *s) { return !s->host->failures && !s->failures; }
+static bool untried(const struct fan_slot *s)
+{
+    const int heads = fan_host_heads(s->host);
+    return s->host->failures < heads && s->failures < heads;
+}
 
 bool fan_working(const struct fan *f)
 {
@@ -201,7 +205,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     if (!listing && fan_workers(f, o->hosts) > FAN_MOST)
         die(ST_USAGE, "%d workers, expected at most %d: one for each host (-1), or in racks (-T)",
             fan_workers(f, o->hosts), FAN_MOST);
-    for (int i = 0; i < f->n_hosts; i++) fan_add_slots(f, i, fan_numbers(f, &o->hosts->at[i]));
+    for (int i = 0; i < f->n_hosts; i++) fan_add_slots(f, i, fan_numbers(f->o, &o->hosts->at[i]));
     hosts_watch_open(&f->watch, o->hosts);
     if (*o->command) fan_ask_reference(f);
 }

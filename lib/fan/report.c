@@ -4,12 +4,14 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define LED_BY "; its rack is led by "
 #define REPEATS_US 60000000 /* a slot that is lost again in this time is counted */
 
-int64_t fan_retry_wait_us(int failures)
+int64_t fan_retry_wait_us(const struct fan_host *h, int failures)
 {
     int64_t wait_us = PATIENCE_RETRY_FIRST_US;
-    for (int i = 1; i < failures && wait_us < PATIENCE_RETRY_MOST_US; i++) wait_us *= 2;
+    for (int i = fan_host_heads(h); i < failures && wait_us < PATIENCE_RETRY_MOST_US; i++)
+        wait_us *= 2;
     return wait_us < PATIENCE_RETRY_MOST_US ? wait_us : PATIENCE_RETRY_MOST_US;
 }
 
@@ -56,11 +58,13 @@ void fan_say_lost(struct fan_slot *s, const char *why, int32_t lost, bool again,
     if (!again || *s->lost_why) fan_say_repeats(s->host);
     snprintf(s->lost_why, sizeof s->lost_why, "%s", why);
     s->lost_us = now;
-    warn("%s: lost (%s) with %" PRId32 " tasks%s%s", fan_slot_name(s, name), why, lost,
-        again && s->host->here ? ", starting again"
-        : again                ? ", connecting again"
-                               : "",
-        hint);
+    const struct host *heir = again ? host_heir(s->host->host) : NULL;
+    warn("%s: lost (%s) with %" PRId32 " tasks%s%s%s", fan_slot_name(s, name), why, lost,
+        heir            ? LED_BY
+        : !again        ? ""
+        : s->host->here ? ", starting again"
+                        : ", connecting again",
+        heir ? heir->name : "", hint);
 }
 
 /* True if a slot of the host is needed. *last: no other host has slots that may come. */
@@ -78,7 +82,7 @@ static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *las
 
 bool fan_host_exhausted(const struct fan_host *h)
 {
-    return h->host->tries && h->failures >= h->host->tries;
+    return h->host->tries && h->failures >= h->host->tries * fan_host_heads(h);
 }
 
 bool fan_host_retries(struct fan_slot *s)
@@ -86,7 +90,7 @@ bool fan_host_retries(struct fan_slot *s)
     struct fan_host *h = s->host;
     if (s->conn.opened_us >= h->failed_us) { /* slots opened at one time fail as one */
         h->failed_us = now_us();
-        h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
+        h->retry_us = h->failed_us + fan_retry_wait_us(h, ++h->failures);
     }
     return !fan_host_exhausted(h);
 }
@@ -101,7 +105,9 @@ void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool
     if (!fan_refusal_explain(f, s, why, &text))
         buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
             again ? "reached" : "used", why, says, s->conn.chatter);
-    if (again && host_wanted(f, s->host, &last)) {
+    const struct host *heir = again ? host_heir(s->host->host) : NULL;
+    if (heir) buf_printf(&text, LED_BY "%s", heir->name);
+    else if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
         if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
         else if ((last || (s->host->reached && !f->n[FAN_UP])) && !f->listing)

@@ -133,7 +133,8 @@ static void settle(struct fan *f, struct fan_slot *s)
     fan_slot_disconnect(f, s);
     if (s->state == FAN_WAITING && s->drains) fan_slot_give_up(f, s, "left");
     else if (s->state == FAN_GONE) fan_slot_forget(s);
-    else s->retry_us = now_us() + fan_retry_wait_us(s->failures);
+    else s->retry_us = now_us() + fan_retry_wait_us(s->host, s->failures);
+    if (s->state == FAN_WAITING) fan_succeed(f->o, s->host);
 }
 
 void fan_slot_open(struct fan *f, struct fan_slot *s)
@@ -290,6 +291,15 @@ static bool killed(const struct fan_slot *s, const char *why)
            strcmp(why, "exit-255") == 0 && (!via || strstr(via, "ssh"));
 }
 
+/* The host cannot be used. That is no reason to give up its rack, if another one may lead that. */
+static bool leaves_an_heir(struct fan_slot *s)
+{
+    struct host *rack = s->host->host;
+    if (!host_heir(rack)) return false;
+    rack->members[rack->head].unusable = true;
+    return true;
+}
+
 /* Reports the loss of the slot, and decides whether to connect it again. */
 static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
@@ -301,6 +311,7 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     /* Only policies whose slots may come back start workers of this machine again. */
     again &= !s->host->here || s->width > 1 || (s->conn.connected && f->joins);
     again &= s->deaths < most && !s->drains;
+    if (!again && !s->conn.connected && !s->drains) again = leaves_an_heir(s);
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;

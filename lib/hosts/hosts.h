@@ -34,7 +34,10 @@ struct host {
     int nice;       /* of its workers, more than that of their parent */
     int64_t memory; /* bytes of addresses that each process of them may have; 0: not stated */
     const struct hosts_sent *sent; /* these are sent instead; NULL: not known yet */
-    char *rack;            /* the lines of its rack, of which it is the head; NULL: it is no rack */
+    char *rack;           /* the lines of its rack, of which it is the head; NULL: it is no rack */
+    struct host *members; /* of the rack, with its head, whose strings the row shares */
+    size_t n_members, head;
+    bool unusable;         /* a member: it cannot be the head */
     struct buf offer, way; /* the keys of its line; way: via, bin, send and wait */
     /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
     double latency_ms, bytes_per_s;
@@ -66,6 +69,10 @@ bool hosts_of_file(struct hosts *h, const char *name, char err[HOSTS_ERR]);
  * caller frees *h in both cases.
  */
 bool hosts_racks(struct hosts *h, size_t n, char err[HOSTS_ERR]);
+/* The member after the head of a rack that may become it; NULL: none, or it is no rack. */
+const struct host *host_heir(const struct host *rack);
+/* Makes this member the head: another host is to be connected for the row. */
+void host_succeed(struct host *rack, const struct host *heir);
 /* This machine only, with `slots` slots. */
 void hosts_here(struct hosts *h, int slots);
 void hosts_free(struct hosts *h);

@@ -1,6 +1,7 @@
 /*
  * Racks: a tree of hosts. The first host of a rack is its head: it runs a fan for the hosts of its
- * rack, itself among them, by the text of their lines. Seen from here, a rack is one slot.
+ * rack, itself among them, by the text of their lines. Seen from here, a rack is one slot. If its
+ * head fails, the next host becomes the head.
  */
 #include "hosts/hosts_int.h"
 
@@ -30,28 +31,60 @@ static void put_line(struct buf *b, const struct host *h, bool head)
     buf_append(b, "\n", 1);
 }
 
-/* The rack of the n hosts from h->at[i] on. The first one becomes the row of all of them. */
-static bool make_rack(struct hosts *h, size_t i, size_t n, char err[HOSTS_ERR])
+/* Makes member `at` the head of the rack. */
+static void lead(struct host *rack, size_t at)
 {
-    struct host *head = &h->at[i];
     struct buf text = {0};
+    const struct host old = *rack;
+    put_line(&text, &old.members[at], true);
+    for (size_t k = 1; k < old.n_members; k++)
+        put_line(&text, &old.members[(at + k) % old.n_members], false);
+    buf_append(&text, "", 1);
+    free(old.rack);
+    *rack = old.members[at];
+    rack->rack = (char *)text.data;
+    rack->members = old.members;
+    rack->n_members = old.n_members;
+    rack->head = at;
+    rack->power = old.power;
+    rack->slots = 1;
+}
+
+const struct host *host_heir(const struct host *rack)
+{
+    for (size_t k = 1; k < rack->n_members; k++) {
+        const struct host *next = &rack->members[(rack->head + k) % rack->n_members];
+        if (!next->unusable) return next;
+    }
+    return NULL;
+}
+
+void host_succeed(struct host *rack, const struct host *heir)
+{
+    lead(rack, (size_t)(heir - rack->members));
+}
+
+/* The rack of these n hosts, which it takes. */
+static bool make_rack(struct host *rack, const struct host *at, size_t n, char err[HOSTS_ERR])
+{
+    struct buf all = {0};
     double power = 0;
     bool stated = true;
-    for (size_t k = i; k < i + n; k++) {
-        put_line(&text, &h->at[k], k == i);
-        power += h->at[k].slots * h->at[k].power;
-        stated = stated && h->at[k].power > 0;
+    struct host *members = xmalloc(n, sizeof *members);
+    memcpy(members, at, n * sizeof *members);
+    for (size_t k = 0; k < n; k++) {
+        put_line(&all, &members[k], false);
+        power += members[k].slots * members[k].power;
+        stated = stated && members[k].power > 0;
     }
-    const size_t bytes = buf_size(&text);
-    buf_append(&text, "", 1);
-    head->rack = (char *)text.data;
-    head->power = stated ? power : 0;
-    head->slots = 1;
-    for (size_t k = i + 1; k < i + n; k++) host_free(&h->at[k]);
+    const size_t bytes = buf_size(&all);
+    buf_free(&all);
+    *rack = (struct host){.members = members, .n_members = n, .power = stated ? power : 0};
+    lead(rack, 0);
     if (bytes <= TEXT_MOST) return true;
     snprintf(err, HOSTS_ERR,
         "-T: the lines of the rack of %s have %zu bytes, expected at most %d: fewer hosts in it",
-        head->name, bytes, TEXT_MOST);
+        rack->name, bytes, TEXT_MOST);
     return false;
 }
 
@@ -63,8 +96,7 @@ bool hosts_racks(struct hosts *h, size_t most, char err[HOSTS_ERR])
     for (size_t i = 0; i < h->n; i += n) {
         for (n = 1; n < most && i + n < h->n; n++)
             if (host_is_here(&h->at[i]) || host_is_here(&h->at[i + n])) break;
-        good = make_rack(h, i, n, err) && good;
-        h->at[racks++] = h->at[i];
+        good = make_rack(&h->at[racks++], &h->at[i], n, err) && good;
     }
     h->n = racks;
     h->slots = (int)racks;

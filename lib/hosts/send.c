@@ -103,13 +103,22 @@ static void add(struct hosts_sent *sent, const char *directory, const char *name
     sha256(buf_data(&bytes), buf_size(&bytes), p->sha256);
 }
 
+/* The host gets these programs if it has none; so do the hosts of a rack. True if one of them does.
+ */
+static bool is_sent(struct host *h, const struct hosts_sent *sent)
+{
+    bool any = h->send;
+    if (h->send) h->sent = sent;
+    for (size_t k = 0; k < h->n_members; k++) any |= is_sent(&h->members[k], sent);
+    return any;
+}
+
 bool hosts_send(struct hosts *h, struct hosts_sent *sent, char *const worker[], char err[HOSTS_ERR])
 {
     char directory[4096];
     bool wanted = false, racks = false;
     for (size_t i = 0; i < h->n; i++) {
-        if (!h->at[i].send) continue;
-        h->at[i].sent = sent;
+        if (!is_sent(&h->at[i], sent)) continue;
         wanted = true;
         racks = racks || h->at[i].rack;
     }

@@ -84,10 +84,15 @@ struct hosts_version hosts_version(const char *file)
 
 void host_free(struct host *host)
 {
+    for (size_t i = 0; i < host->n_members; i++) host_free(&host->members[i]);
+    if (host->members) { /* the row has what the head has */
+        free(host->members);
+        free(host->rack);
+        return;
+    }
     free(host->name);
     free(host->via);
     free(host->bin);
-    free(host->rack);
     buf_free(&host->offer);
     buf_free(&host->way);
 }

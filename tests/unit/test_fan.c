@@ -81,7 +81,7 @@ static struct fan f;
 static struct fan_host host;
 static struct fan_slot slots[SLOTS];
 static struct host of_file = {.name = (char[]){"far"}, .slots = SLOTS};
-static const struct hosts hosts = {.at = &of_file, .n = 1, .slots = SLOTS};
+static struct hosts hosts = {.at = &of_file, .n = 1, .slots = SLOTS};
 static char *worker[] = {(char[]){"cat"}, NULL};
 static struct fan_options options = {
     .hosts = &hosts, .command = worker, .pack = FAN_PACK_OFF, .silence_s = 1};

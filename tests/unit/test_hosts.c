@@ -448,7 +448,21 @@ static void racks_have_the_lines_of_their_hosts(void **state)
     assert_true(hosts_read(&hosts, "x,:,y,z", err));
     assert_true(hosts_racks(&hosts, 9, err));
     assert_int_equal(hosts.n, 3);
+    assert_null(host_heir(&hosts.at[1]));
     assert_string_equal(hosts.at[2].rack, ": slots=1\nz slots=1\n");
+    hosts_free(&hosts);
+    assert_true(read_text("a slots=2 power=1\nb bin=/b power=3\nc send=auto power=3\n"));
+    assert_true(hosts_racks(&hosts, 9, err));
+    struct host *rack = hosts.at;
+    rack->members[1].unusable = true;
+    assert_string_equal(host_heir(rack)->name, "c");
+    host_succeed(rack, host_heir(rack));
+    assert_string_equal(rack->name, "c");
+    assert_true(rack->send && rack->slots == 1 && rack->power > 7);
+    assert_string_equal(rack->rack, ": power=\"3\"\n"
+                                    "a slots=\"2\" power=\"1\"\nb bin=\"/b\" power=\"3\"\n");
+    host_succeed(rack, host_heir(rack));
+    assert_string_equal(rack->name, "a");
     hosts_free(&hosts);
     assert_true(hosts_read(&hosts, "3/x,2/y", err));
     assert_true(hosts_racks(&hosts, 9, err));
