@@ -23,7 +23,7 @@ grid() {
 	} >"$2"
 }
 grid 8 small.vtk
-grid 384 large.vtk # 216 MiB
+grid 320 large.vtk # 125 MiB
 gridspec small.vtk >look.spec
 # film GRID ...: a frame of four tasks for each grid
 film() {
