@@ -228,7 +228,9 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     else
         buf_printf(
             title, "z %s%s [%s]", gb_counts_down(s->part[0].at) ? "-" : "", e->levels, m->units);
-    buf_printf(title, "; t validity %012lld [YYYYMMDDhhmm]", (long long)e->when);
+    buf_printf(title, "; t validity ");
+    if (e->begin) buf_printf(title, "%012lld to ", (long long)e->begin);
+    buf_printf(title, "%012lld [YYYYMMDDhhmm]", (long long)e->when);
 }
 
 static void convert_stack(struct gb_index *x, const struct options *o)

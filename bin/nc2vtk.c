@@ -248,8 +248,14 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);
     if (!t || !t->at) return;
-    print_real(text, t->at[time], 9); /* a minute may be in the last digits */
-    buf_printf(title, "; t %s %s [%s]", t->name, text, t->units);
+    double bounds[2] = {t->at[time], t->at[time]};
+    buf_printf(title, "; t %s ", t->name);
+    if (cf_interval(s->c, t, time, bounds)) {
+        print_real(text, bounds[0], 9); /* a minute may be in the last digits */
+        buf_printf(title, "%s to ", text);
+    }
+    print_real(text, bounds[1], 9);
+    buf_printf(title, "%s [%s]", text, t->units);
 }
 
 static void convert_field(struct cf_file *c, const struct options *o)

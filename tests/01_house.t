@@ -36,7 +36,7 @@ volume simd grid spec geometry task base
 projection base
 cf projection units grid base
 voxel grid base
-grib projection grid base
+grib projection units grid base
 units base
 plane projection base
 layer plane grid base

@@ -160,6 +160,10 @@ is 'degrees to the west and to the south are turned' \
 make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "degrees_east"; float lat(lat); lat:units = "degrees_north";
 	float lev(lev); lev:positive = "up"; double t(t); t:units = "days since 2000-1-1"; float s(lon, lev, t, lat);' \
 	"lon = 1, 2, 3, 4; lat = 9, 8, 7; lev = 20, 10; t = 0, 1; s = $(seq -s, 0 47);"
+sed 's/t = 2;/& nv = 2;/; s/double t(t);/float tb(t, nv); & t:bounds = "tb";/; s/t = 0, 1;/& tb = 0, 0.5, 1, 1;/' order.cdl | ncgen -o spans.nc
+nc2vtk -t all -o 'span%d.vtk' spans.nc s
+is 'an interval has its beginning and end in the title' "$(sed -n 's/.*; t //p;2q' span0.vtk) $(sed -n 's/.*; t //p;2q' span1.vtk)" \
+	't 0 to 0.5 [days since 2000-1-1] t 1 [days since 2000-1-1]'
 # s = 12 lon + 6 lev + 3 t + lat, latitudes and levels turned round
 nc2vtk -t all -o 'o%d.vtk' order.nc s
 is 'dimensions may come in any order; -t all writes each time as -t does' "$(got -t 1 order.nc s)$(cmp a.vtk o1.vtk)" \

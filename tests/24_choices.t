@@ -167,6 +167,7 @@ done
 messages steps "set productDefinitionTemplateNumber=8; set stepType=\"avg\"; set stepRange=\"0-6\"; $(levels 1 2) set stepType=\"max\"; $(levels 3 4)"
 refused steps.grib2 t 'expected one: -w stepType=avg.max'
 is '-w stepType' "$(first -w stepType=max steps.grib2 t)" '4 3'
+like 'the title has the interval' "$(sed -n 2p a.vtk)" 't validity 200703231200 to 200703231800 '
 messages runs "set dataTime=0; set step=12; $(levels 1 2) set dataTime=600; set step=6; $(levels 3 4)"
 refused runs.grib2 t 'one: -w stepRange=12.6 or dataTime=0000.0600'
 is '-w dataTime' "$(first -w dataTime=600 runs.grib2 t)" '4 3'

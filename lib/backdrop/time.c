@@ -52,11 +52,23 @@ static bool by_calendar(const struct grid_named *t, char text[BACKDROP_TIME])
     return true;
 }
 
+static bool is_dated(const struct grid_named *t, char text[BACKDROP_TIME])
+{
+    return by_digits(t, text) || by_calendar(t, text) || by_date(t, text);
+}
+
 void backdrop_time(const char *title, char text[BACKDROP_TIME])
 {
     struct grid_named t;
+    char begin[BACKDROP_TIME], end[BACKDROP_TIME];
     *text = '\0';
-    if (!grid_title(title, 't', &t) || by_digits(&t, text)) return;
-    if (by_calendar(&t, text) || by_date(&t, text)) return;
-    snprintf(text, BACKDROP_TIME, "%s %s", t.name, t.unit);
+    if (!grid_title(title, 't', &t)) return;
+    if (!is_dated(&t, end)) {
+        snprintf(text, BACKDROP_TIME, "%s %s", t.name, t.unit);
+        return;
+    }
+    char *to = strstr(t.name, " to ");
+    if (to) *to = '\0';
+    if (to && is_dated(&t, begin)) snprintf(text, BACKDROP_TIME, "%.16s to %.60s", begin, end);
+    else snprintf(text, BACKDROP_TIME, "%s", end);
 }

@@ -336,3 +336,20 @@ bool cf_same_axes(const struct cf_field *a, const struct cf_field *b)
     }
     return same;
 }
+
+bool cf_interval(struct cf_file *c, const struct cf_axis *a, size_t i, double bounds[2])
+{
+    char name[CF_TEXT];
+    int id, dims = 0, dim[NC_MAX_VAR_DIMS];
+    size_t corners = 0;
+    double at[2];
+    cf_text(c, a->in, a->id, "bounds", name);
+    if (!*name || nc_inq_varid(a->in, name, &id) ||
+        nc_inq_var(a->in, id, NULL, NULL, &dims, dim, NULL) || dims != 2 || dim[0] != a->dim ||
+        nc_inq_dimlen(a->in, dim[1], &corners) || corners != 2 ||
+        nc_get_vara_double(a->in, id, (size_t[]){i, 0}, (size_t[]){1, 2}, at))
+        return false;
+    bounds[0] = fmin(at[0], at[1]);
+    bounds[1] = fmax(at[0], at[1]);
+    return bounds[0] < bounds[1];
+}

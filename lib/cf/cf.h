@@ -92,6 +92,8 @@ bool cf_knows(const struct cf_file *c, const char *name);
 void cf_field_free(struct cf_field *f);
 /* NULL if the field has no such axis. */
 const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind);
+/* True if element i of the axis stands for an interval, which its `bounds` state. */
+bool cf_interval(struct cf_file *c, const struct cf_axis *a, size_t i, double bounds[2]);
 /* True if x is periodic after 360: its units are degrees, or it has none. */
 bool cf_axis_is_longitude(const struct cf_axis *a);
 /* The members of a field: elements of the dimension of which all were chosen; 1: there is none. */

@@ -37,6 +37,7 @@ struct gb_entry {
     double level;                      /* for a layer, its middle */
     bool no_pv;                        /* a hybrid level without coefficients */
     int64_t when;                      /* validity time, YYYYMMDDhhmm */
+    int64_t begin;                     /* of the interval that ends then; 0: there is none */
     int64_t nx, ny;
     size_t number;                      /* message number in the file, from 0 */
     long edition;                       /* of GRIB */

@@ -1,5 +1,6 @@
 /* index: builds the index of a file. */
 #include "grib/grib_int.h"
+#include "units/units.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -79,6 +80,23 @@ static void read_name(const codes_handle *h, char name[GB_TEXT])
             gb_long(h, "indicatorOfParameter"));
 }
 
+/* The beginning of the interval of an accumulation, a mean or an extreme value; 0: none. */
+static int64_t begin_of(const codes_handle *h, int64_t when)
+{
+    static const double minutes[] = {
+        1, 60, 1440, [10] = 180, 360, 720, 1 / 60.}; /* code table 4.4 */
+    const long unit = gb_long(h, "stepUnits"), n = sizeof minutes / sizeof *minutes;
+    const long steps = gb_long(h, "endStep") - gb_long(h, "startStep");
+    struct units_date d;
+    char since[64];
+    if (steps <= 0 || unit < 0 || unit >= n) return 0;
+    snprintf(since, sizeof since, "minutes since %04d-%02d-%02d %02d:%02d", (int)(when / 100000000),
+        (int)(when / 1000000 % 100), (int)(when / 10000 % 100), (int)(when / 100 % 100),
+        (int)(when % 100));
+    if (minutes[unit] <= 0 || !units_date(-(double)steps * minutes[unit], since, &d)) return 0;
+    return (((d.year * INT64_C(100) + d.month) * 100 + d.day) * 100 + d.hour) * 100 + d.minute;
+}
+
 static void read_entry(const struct gb_file *in, struct gb_entry *e)
 {
     *e = (struct gb_entry){.number = in->number};
@@ -94,6 +112,7 @@ static void read_entry(const struct gb_file *in, struct gb_entry *e)
     e->level = level_of(in->h, e->levels);
     if (isnan(e->level)) e->level = 0; /* as of what a satellite sees, which has no level */
     e->when = (int64_t)gb_long(in->h, "validityDate") * 10000 + gb_long(in->h, "validityTime");
+    e->begin = begin_of(in->h, e->when);
     e->nx = gb_long(in->h, "Ni");
     e->ny = gb_long(in->h, "Nj");
     e->edition = gb_long(in->h, "edition");

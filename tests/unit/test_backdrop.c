@@ -228,6 +228,9 @@ static void test_times(void **state)
     is_time("T [K]; x lon [degrees_east]", "");
     is_time("T [K]; t time 0.5 [d]", "time 0.5 d");
     is_time("T [K]; t validity 202611231200 [YYYYMMDDhhmm]", "2026-11-23 12:00 UTC");
+    is_time("T [K]; t validity 202611231200 to 202611240000 [YYYYMMDDhhmm]",
+        "2026-11-23 12:00 to 2026-11-24 00:00 UTC");
+    is_time("T [K]; t time 0 to 6 [h]", "time 0 to 6 h");
     is_time("T [K]; t validity 2026 [YYYYMMDDhhmm]", "validity 2026 YYYYMMDDhhmm");
     is_time("T [K]; t time 3 [months since 2000-01-01]", "time 3 months since 2000-01-01");
     is_time("T [K]; t time 3 [years since 2000-01-01]", "time 3 years since 2000-01-01");
@@ -238,6 +241,8 @@ static void test_times(void **state)
     if (!units_linear("h", "s", &l, err)) return; /* built without udunits */
     is_time("T [K]; t time 20780.5 [days since 1970-01-01 00:00:00]", "2026-11-23 12:00 UTC");
     is_time("T [K]; t time 90 [minutes since 2000-2-28 23:00]", "2000-02-29 00:30 UTC");
+    is_time("T [K]; t time 58 to 59 [days since 2000-01-01 (noleap)]",
+        "2000-02-28 00:00 to 2000-03-01 00:00 (noleap)");
     is_time("T [K]; t time 739000 [days since 1-1-1]", "2024-04-23 00:00 UTC");
     is_time("T [K]; t time 0 [days since 1582-10-15]", "1582-10-15 00:00 UTC");
     is_time("T [K]; t time -1 [days since 1582-10-15]", "1582-10-04 00:00 UTC");
