@@ -14,12 +14,14 @@
 
 bool cf_term(const char *terms, const char *what, char name[CF_TEXT])
 {
-    size_t n = strlen(what);
-    for (const char *at = terms; (at = strstr(at, what)) != NULL; at += n) {
-        if ((at != terms && at[-1] != ' ') || at[n] != ':') continue;
+    static const char blanks[] = " \t\r\n";
+    const size_t n = strlen(what);
+    for (const char *at = terms; *at; at += strcspn(at, blanks)) {
+        at += strspn(at, blanks);
+        if (strncasecmp(at, what, n) != 0 || at[n] != ':') continue;
         at += n + 1;
-        while (*at == ' ') at++;
-        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, " "), at);
+        at += strspn(at, blanks);
+        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, blanks), at);
         return true;
     }
     name[0] = '\0';
