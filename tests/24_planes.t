@@ -86,6 +86,8 @@ for bad in 'lambert_conformal_conic has no number standard_parallel' 'geostation
 	mapped bad m "grid_mapping_name = \"${bad%% *}\"; longitude_of_central_meridian = 9.;" >got 2>err
 	like "a mapping that is not known: ${bad%% *}" "$(cat got):$(cat err)" "^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping (is )?$bad"
 done
+mapped bad m 'crs_wkt = "PROJCS[]";' >got 2>err
+like 'a mapping without a name' "$(cat got):$(cat err)" '^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping has no grid_mapping_name, .* no coasts$'
 mapped bad m "grid_mapping_name = \"lambert_conformal_conic\"; standard_parallel = 30., -30.; latitude_of_projection_origin = 0.;
 	longitude_of_central_meridian = 9.;" >got 2>err
 like 'a mapping that PROJ refuses' "$(cat got):$(cat err)" '^ .m. -3 6:nc2vtk: bad.nc: s: PROJ refuses .*, so that maps have no coasts$'

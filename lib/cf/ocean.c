@@ -139,7 +139,7 @@ static bool find_metres(
 {
     int id;
     *metres = 1;
-    return nc_inq_varid(group, name, &id) != NC_NOERR || cf_to_metres(c, group, id, metres, err);
+    return !cf_find_above(&group, name, &id) || cf_to_metres(c, group, id, metres, err);
 }
 
 static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char *terms,
@@ -154,7 +154,7 @@ static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char 
             return false;
         if (!*name) continue;
         o->level[i] = xcalloc(z->n, sizeof *o->level[i]);
-        if (!cf_numbers(c, z->in, name, z->n, o->level[i], err)) return false;
+        if (!cf_level_numbers(c, z, name, o->level[i], err)) return false;
         if (i == ZLEV && !find_metres(c, z->in, name, &metres, err)) return false;
         for (size_t k = 0; i == ZLEV && k < z->n; k++) o->level[i][k] *= metres;
     }
@@ -163,7 +163,7 @@ static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char 
         o->single[i] = (double)NAN;
         if (i == NSIGMA) cf_term(terms, single_terms[i], name);
         else if (!named(terms, single_terms[i], needed, name, z, err)) return false;
-        if (*name && !cf_numbers(c, z->in, name, 1, &o->single[i], err)) return false;
+        if (*name && !cf_number(c, z->in, name, &o->single[i], err)) return false;
         if (!*name || !(lengths >> i & 1)) continue;
         if (!find_metres(c, z->in, name, &metres, err)) return false;
         o->single[i] *= metres;
