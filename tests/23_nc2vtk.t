@@ -263,6 +263,17 @@ is 'also of axes' "$(got radians.nc s):$(on_line coordinates X a.vtk)|$(sed -n 2
 is 'and so are longitudes, latitudes and geopotential heights of each node' \
 	"$(got -z curved.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)|$(on_line coordinates Z a.vtk)" '1 2 3 4 5 6 7 8:7 9|50 51|1500 5600'
 
+cat >paths.cdl <<'END'
+netcdf paths {
+dimensions: j = 2; i = 2;
+group: geo { variables: float lon(j, i); lon:units = "degrees_east"; data: lon = 7, 9, 7, 9; }
+group: m { variables: float s(j, i); s:coordinates = "/geo/lon at/lat"; data: s = 1, 2, 3, 4;
+	group: at { variables: float lat(j, i); lat:units = "degrees_north"; data: lat = 50, 50, 51, 51; } }
+}
+END
+ncgen -k nc4 -o paths.nc paths.cdl
+is 'coordinates named by paths of groups' "$(got paths.nc m/s):$(on_line coordinates X a.vtk)|$(on_line coordinates Y a.vtk)" '1 2 3 4:7 9|50 51'
+
 # longitudes NAME LON ...: writes NAME.nc, with values that count up
 longitudes() {
 	name=$1
@@ -321,6 +332,9 @@ if there /usr/include/udunits2.h; then
 	is '-z: their planes' "$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '0 11000 '
 	ncdump hybrid.nc | sed 's/double cb(z)/short cb(z)/; s/^.*P0:units/cb:scale_factor = .5;&/; s/ cb = 1, 0/ cb = 2, 0/' | ncgen -o stored.nc -
 	is '-z: coefficients may be packed' "$(got -z stored.nc s)" '3 4 1 nan 13 14 11 12'
+	ncdump hybrid.nc | sed 's/z = 2 ;/z = 2 ; nhym = 3 ;/; s/ca(z)/ca(nhym)/; s/cb(z)/cb(nhym)/; s/^ ca =.*/ ca = .2263206, 0, 9 ;/; s/^ cb =.*/ cb = 0, 1, 9 ;/' |
+		ncgen -o some.nc -
+	is '-z: coefficients of all levels, where the file has some of these' "$(got -z some.nc s)" '3 4 1 nan 13 14 11 12'
 	ncdump hybrid.nc | awk '/ s\(z, y, x\)/ { v = $0; next } /^ s =/ { inside = 1 } inside && !/^}/ { d = d $0; next } /^}/ { print "group: g { variables: " v " data: " d " }" } 1' |
 		ncgen -k nc4 -o deep.nc -
 	is '-z: the surface pressure may be in a group around' "$(got -z deep.nc g/s)" '3 4 1 nan 13 14 11 12'

@@ -174,7 +174,7 @@ for case in 'NDims = 5|NDims: 5' 'NDims = 4|DimSize' 'DimSize = 3 2 0|0 nodes on
 	says bad.mha "${case#*|}"
 done
 meta MET_SHORT False False 'LIST' >bad.mha
-says bad.mha 'several files'
+says bad.mha 'several files, expected one; cat joins raw ones'
 
 # ---- NIfTI-1 -------------------------------------------------------------------------------------------------
 # nifti ORDER CODE BITS [PLACE CODE VALUE ...]: a header; values at other places replace its own

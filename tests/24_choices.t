@@ -224,6 +224,12 @@ if there cdo; then
 	sed 's/height(height);/height(height, ncells);/; s/height = 10, 100/height = 1, 2, 3, 4, 5, 6, 7, 8/' icon.cdl | ncgen -k nc4 -o fvcom.nc
 	run nc2vtk fvcom.nc temp
 	like 'one that cdo skips has no command' "$status:$err" '^2:nc2vtk: fvcom.nc: temp: an unstructured grid: there are no coordinates along height, expected them along each axis$'
+	sed 's/ncells = 4;/& t = 1;/; s/height, ncells)/height, t, ncells)/; s/double height/double t(t); t:units = "days since 2000-1-1"; &/' icon.cdl | ncgen -k nc4 -o late.nc
+	run nc2vtk late.nc temp
+	like 'nor has one whose time is not its first dimension' "$status:$err" '^2:nc2vtk: late.nc: temp: an unstructured grid: .* expected them along each axis$'
+	sed 's/^data:/	:featureType = "timeSeries";\n&/' icon.cdl | ncgen -k nc4 -o stations.nc
+	run nc2vtk stations.nc temp
+	like 'stations are no grid' "$status:$err" '^2:nc2vtk: stations.nc: temp: places of their own, such as stations, and no grid: .* expected them along each axis$'
 	for sample in reduced_gg_pl_32_grib2 reduced_gg_ml_grib1 sh_pl_grib2 sh_ml_grib1; do
 		run grib2vtk $samples/$sample.tmpl t
 		like "$sample is refused, with a command" "$status:$err" '^2:grib2vtk: .*, as cdo [a-z0-9]+,?[a-z]* IN OUT writes$'

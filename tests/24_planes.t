@@ -86,6 +86,8 @@ for bad in 'lambert_conformal_conic has no number standard_parallel' 'geostation
 	mapped bad m "grid_mapping_name = \"${bad%% *}\"; longitude_of_central_meridian = 9.;" >got 2>err
 	like "a mapping that is not known: ${bad%% *}" "$(cat got):$(cat err)" "^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping (is )?$bad"
 done
+mapped bad m 'crs_wkt = "PROJCS[]";' >got 2>err
+like 'a mapping without a name' "$(cat got):$(cat err)" '^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping has no grid_mapping_name, .* no coasts$'
 mapped bad m "grid_mapping_name = \"lambert_conformal_conic\"; standard_parallel = 30., -30.; latitude_of_projection_origin = 0.;
 	longitude_of_central_meridian = 9.;" >got 2>err
 like 'a mapping that PROJ refuses' "$(cat got):$(cat err)" '^ .m. -3 6:nc2vtk: bad.nc: s: PROJ refuses .*, so that maps have no coasts$'
@@ -177,6 +179,14 @@ if there /usr/include/udunits2.h; then
 	is 'ocean sigma over z' "$(sed 's/n = 0/n = 2/' o.cdl | ncgen -o form.nc; levels form.nc)" '-24.5000 -4.1000 '
 	is 'ocean sigma over z: z' "$(sed 's/zlev = -200, -300/zlev = -300, -200/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
 	is 'ocean sigma over z: z in km' "$(sed 's/zlev = -200, -300/zlev = -.3, -.2/; s/int n;/& zlev:units = "km";/' o.cdl | ncgen -o form.nc; levels form.nc)" '-300.0000 -200.0000 '
+	# f = 40 - 20 tanh((90 - 100) / -20) = 30.7577 m; half of it, and half of what is below
+	sed 's/ocean_s_coordinate_g2/ocean_double_sigma_coordinate/; s/"s: s_rho C: Cs_r.*hc"/"Sigma: s_rho depth: h z1: z1 z2: z2 a: a href: href k_c: n"/
+		s/double b;/double z1, z2, href; z1:units = "cm"; a:units = "km";/; s/s_rho = -.5, -.1/s_rho = .5, 1.5/; s/a = 5; b = .4/a = .001; z1 = 2000; z2 = 60; href = 100/
+		s/n = 0/n = 1/' roms.cdl >double.cdl
+	ncgen -o form.nc double.cdl
+	is 'ocean double sigma: depths, with other units' "$(levels form.nc):$(on_line values a.vtk)" '-60.3788 -15.3788 :2 2 2 2 2 2 1 1 1 1 1 1'
+	is 'ocean double sigma: from 0 to -2, from the bottom' "$(sed 's/s_rho = .5, 1.5/s_rho = -1.5, -.5/' double.cdl | ncgen -o form.nc; levels form.nc)" '-60.3788 -15.3788 '
+	is 'the surface is at rest, if it is not named' "$(sed 's/eta: zeta //' roms.cdl | ncgen -o form.nc; levels form.nc)" '-28.8000 -4.9500 '
 	is 'a depth_c in km' "$(sed 's/hc:units = "meter"/hc:units = "km"/; s/hc = 10/hc = .01/' roms.cdl | ncgen -o form.nc; levels form.nc)" '-28.1200 -4.0050 '
 	is 'values stay at their levels' "$(got -z roms.nc temp)" '1 1 1 1 1 1 2 2 2 2 2 2'
 	# depths of 80 and 100 m in turns, so that all points between them have 90 m, and what has no depth has none

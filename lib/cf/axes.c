@@ -149,6 +149,14 @@ static bool is_sigma(struct cf_file *c, const struct cf_axis *a)
            strcmp(standard, "atmosphere_hybrid_sigma_pressure_coordinate") == 0;
 }
 
+/* Of levels that go from 0 at the surface to 2 or to -2, whatever they say. */
+static bool is_double_sigma(struct cf_file *c, const struct cf_axis *a)
+{
+    char standard[CF_TEXT];
+    cf_text(c, a->in, a->id, "standard_name", standard);
+    return strcmp(standard, "ocean_double_sigma_coordinate") == 0;
+}
+
 double cf_degrees_in(const char *units)
 {
     static const char *const words[] = {"degrees_west", "degree_west", "degrees_W", "degree_W",
@@ -215,6 +223,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     a->pressure = a->kind == CF_Z && is_pressure(a->units);
     a->down = strcasecmp(positive, "down") == 0 || a->pressure ||
               (!positive[0] && (is_depth(c, a) || is_sigma(c, a)));
+    if (is_double_sigma(c, a)) a->down = a->n && a->at[0] + a->at[a->n - 1] > 0;
     name_calendar(c, in, id, a);
     return true;
 }

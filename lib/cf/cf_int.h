@@ -43,7 +43,7 @@ double cf_degrees_in(const char *units);
 
 /* Finds the variable of a term, such as "ps" in "a: hyam b: hybm p0: P0 ps: PS". (terms.c) */
 bool cf_term(const char *terms, const char *what, char name[CF_TEXT]);
-/* Finds a variable in the group or an enclosing one. */
+/* Finds a variable in the group or an enclosing one, or by a path: /g/v or g/v. */
 bool cf_find_above(int *group, const char *name, int *id);
 /* Metres in a unit of a geopotential or its height; 0 if it is none of either. */
 double cf_metres_in(const char *units);
@@ -52,9 +52,12 @@ double cf_metres_in(const char *units);
 bool cf_to_metres(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES]);
 /* The same for a pressure, in Pa. */
 bool cf_to_pascals(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES]);
-/* Reads n numbers of a variable. */
-bool cf_numbers(
-    struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES]);
+/* Reads the one number of a variable, in the group or an enclosing one. */
+bool cf_number(struct cf_file *c, int group, const char *name, double *out, char err[ERR_BYTES]);
+/* Reads a number for each level. A variable with more of them, as those of all levels of a model,
+ * is indexed by the levels, which count from 1. */
+bool cf_level_numbers(
+    struct cf_file *c, const struct cf_axis *z, const char *name, double *out, char err[ERR_BYTES]);
 /* Reads a variable at one time, as a layer of g. Its dimensions are those of the field, without
  * z. */
 bool cf_layer_read(struct cf_file *c, const struct cf_field *f, const struct cf_layer *h,

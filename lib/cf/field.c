@@ -15,6 +15,12 @@
  */
 static const char *remapping(struct cf_file *c, const struct cf_field *f, const char **what)
 {
+    char feature[CF_TEXT];
+    cf_text(c, c->root, NC_GLOBAL, "featureType", feature);
+    if (*feature && strcasecmp(feature, "grid") != 0) {
+        *what = "places of their own, such as stations, and no grid";
+        return NULL;
+    }
     char *names = cf_whole_text(c, f->group, f->id, "coordinates"), *rest = names, *word;
     int first = -1, curved = 0;
     const char *name = NULL;
@@ -36,6 +42,7 @@ static const char *remapping(struct cf_file *c, const struct cf_field *f, const 
     for (int i = 0; name && i < f->n_axes; i++) { /* cdo skips levels of each node, as of FVCOM */
         int id, n;
         nc_type type;
+        if (i && f->axis[i].kind == CF_T) name = NULL; /* and variables with time behind */
         if (nc_inq_varid(f->group, f->axis[i].name, &id) == NC_NOERR &&
             nc_inq_var(f->group, id, NULL, &type, &n, NULL, NULL) == NC_NOERR && n > 1 &&
             type != NC_CHAR)

@@ -144,8 +144,8 @@ static bool read_metres(
     struct cf_file *c, int group, const char *name, double *out, char err[ERR_BYTES])
 {
     int id;
-    return cf_numbers(c, group, name, 1, out, err) &&
-           (nc_inq_varid(group, name, &id) != NC_NOERR || cf_to_metres(c, group, id, out, err));
+    return cf_number(c, group, name, out, err) && cf_find_above(&group, name, &id) &&
+           cf_to_metres(c, group, id, out, err);
 }
 
 /* Brings coefficients to a[k] + b[k] * surface pressure or height. */
@@ -153,39 +153,38 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     struct cf_heights *h, char err[ERR_BYTES])
 {
     double p0 = P0, ptop = 0;
-    int id;
+    int id, in = z->in;
     if (n->ztop[0] && n->orog[0]) { /* SLEVE: a is a part of ztop */
         if (!read_metres(c, z->in, n->ztop, &p0, err)) return false;
         h->b2 = xcalloc(z->n, sizeof *h->b2);
-        if (!cf_numbers(c, z->in, n->b2, z->n, h->b2, err)) return false;
+        if (!cf_level_numbers(c, z, n->b2, h->b2, err)) return false;
     } else if (n->orog[0]) { /* a height is a + b times that of the ground */
         p0 = 1;
-        if (n->a[0] && nc_inq_varid(z->in, n->a, &id) == NC_NOERR &&
-            !cf_to_metres(c, z->in, id, &p0, err))
+        if (n->a[0] && cf_find_above(&in, n->a, &id) && !cf_to_metres(c, in, id, &p0, err))
             return false;
-    } else if (n->p0[0] && nc_inq_varid(z->in, n->p0, &id) == NC_NOERR) {
-        if (!cf_numbers(c, z->in, n->p0, 1, &p0, err)) return false;
-        if (!cf_to_pascals(c, z->in, id, &p0, err)) return false;
+    } else if (n->p0[0] && cf_find_above(&in, n->p0, &id)) {
+        if (!cf_number(c, z->in, n->p0, &p0, err)) return false;
+        if (!cf_to_pascals(c, in, id, &p0, err)) return false;
     }
     if (n->ptop[0]) {
-        if (!cf_numbers(c, z->in, n->ptop, 1, &ptop, err)) return false;
-        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR &&
-            !cf_to_pascals(c, z->in, id, &ptop, err))
-            return false;
+        if (!cf_number(c, z->in, n->ptop, &ptop, err)) return false;
+        in = z->in;
+        if (cf_find_above(&in, n->ptop, &id) && !cf_to_pascals(c, in, id, &ptop, err)) return false;
     }
     h->a = xcalloc(z->n, sizeof *h->a);
     if (n->lev[0] && !n->b[0]) {
-        if (!cf_numbers(c, z->in, n->lev, z->n, h->a, err)) return false;
+        if (!cf_level_numbers(c, z, n->lev, h->a, err)) return false;
         for (size_t k = 0; k < z->n; k++) h->a[k] = p0 * exp(-h->a[k]);
         return true;
     }
     h->b = xcalloc(z->n, sizeof *h->b);
     const char *a = n->ap[0] ? n->ap : n->a;
-    if (a[0] && !cf_numbers(c, z->in, a, z->n, h->a, err)) return false;
-    if (!cf_numbers(c, z->in, n->b, z->n, h->b, err)) return false;
-    if (nc_inq_varid(z->in, a, &id) == NC_NOERR && (n->ap[0] || is_in_pascals(c, z->in, id, n))) {
+    if (a[0] && !cf_level_numbers(c, z, a, h->a, err)) return false;
+    if (!cf_level_numbers(c, z, n->b, h->b, err)) return false;
+    in = z->in;
+    if (a[0] && cf_find_above(&in, a, &id) && (n->ap[0] || is_in_pascals(c, in, id, n))) {
         p0 = 1;
-        if (!cf_to_pascals(c, z->in, id, &p0, err)) return false;
+        if (!cf_to_pascals(c, in, id, &p0, err)) return false;
     }
     for (size_t k = 0; k < z->n; k++) {
         h->a[k] = h->a[k] * p0 + ptop * (1 - h->b[k]);

@@ -177,10 +177,11 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
 {
     char *words = cf_whole_text(c, f->group, f->id, "grid_mapping"), *rest = words, *word;
     double metres = 1;
+    bool lengths = false;
     for (int i = 0; i < f->n_axes; i++) {
         const double in =
             f->axis[i].at && f->axis[i].kind == CF_X ? metres_in(f->axis[i].units) : 0;
-        if (in > 0) metres = in;
+        if (in > 0) metres = in, lengths = true;
     }
     while (!*f->plane && (word = text_part(&rest, ' ')) != NULL) {
         char name[CF_TEXT];
@@ -197,6 +198,9 @@ void cf_mapping_read(struct cf_file *c, struct cf_field *f)
                 real(&at, "perspective_point_height", &f->radian_m);
         }
         if (!good) *f->plane = '\0';
+        else if (!known && !*name && lengths)
+            err_set(f->plane_fault, "its grid mapping has no grid_mapping_name, expected one of "
+                                    "nc2vtk(1)");
         else if (!known && *name && strcmp(name, "latitude_longitude") != 0)
             err_set(f->plane_fault, "its grid mapping is %.60s, expected one of nc2vtk(1)", name);
     }

@@ -1,7 +1,7 @@
 /*
- * ocean: depths of levels that follow the bottom of the sea. CF conventions 1.10, appendix D
- * "Parametric Vertical Coordinates": ocean sigma, ocean s in its three forms, and ocean sigma
- * over z.
+ * ocean: depths of levels that follow the bottom of the sea. CF conventions 1.11, appendix D
+ * "Parametric Vertical Coordinates": ocean sigma, ocean s in its three forms, ocean sigma over z,
+ * and ocean double sigma.
  */
 #include "cf/cf_int.h"
 
@@ -12,16 +12,19 @@
 /* Terms of the formulas: of a level, of a column, or one number each. */
 enum { S, C, ZLEV, PER_LEVEL };
 enum { ETA, DEPTH, PER_COLUMN };
-enum { A, B, DEPTH_C, NSIGMA, SINGLE };
+enum { A, B, DEPTH_C, NSIGMA, Z1, Z2, HREF, K_C, SINGLE };
 static const char *const level_terms[PER_LEVEL] = {"s", "C", "zlev"};
 static const char *const column_terms[PER_COLUMN] = {"eta", "depth"};
-static const char *const single_terms[SINGLE] = {"a", "b", "depth_c", "nsigma"};
+static const char *const single_terms[SINGLE] = {
+    "a", "b", "depth_c", "nsigma", "z1", "z2", "href", "k_c"};
+#define LENGTHS (1 << DEPTH_C | 1 << Z1 | 1 << Z2 | 1 << HREF)
 
 struct cf_ocean {
     int form; /* of forms below */
     struct cf_layer column[PER_COLUMN];
     double single[SINGLE];
     double *level[PER_LEVEL]; /* NULL: not there */
+    size_t n;
 };
 
 /* Heights of level k in a column, in metres upwards. */
@@ -63,16 +66,34 @@ static double sigma_z(const struct cf_ocean *o, size_t k, double eta, double dep
     return eta + at * (fmin(o->single[DEPTH_C], depth) + eta);
 }
 
+/*
+ * Sigma goes from 0 at the surface over 1 at the depth f to 2 at the bottom. CF calls the result a
+ * height, but with a depth above 0 it is a depth, so it is negated. Sigma from 0 to -2 means the
+ * same. Level k_c, counted from the surface, is the last one above f.
+ */
+static double double_sigma(const struct cf_ocean *o, size_t k, double eta, double depth)
+{
+    const double z1 = o->single[Z1], z2 = o->single[Z2], half = .5 * (z1 - z2);
+    const double *s = o->level[S], at = fabs(s[k]);
+    const double bend = o->single[A] / half * (depth - o->single[HREF]);
+    const double f = .5 * (z1 + z2) + (fabs(half) > 0 ? half * tanh(bend) : 0);
+    const size_t from_top = fabs(s[0]) > fabs(s[o->n - 1]) ? o->n - 1 - k : k;
+    (void)eta;
+    return -((double)from_top < o->single[K_C] ? at * f : f + (at - 1) * (depth - f));
+}
+
 /* What each formula needs, as bits. */
 static const struct {
     const char *standard;
     height *at;
-    unsigned levels, singles; /* all need eta and depth */
+    unsigned levels, singles; /* all need depth; eta is 0 if it is not named */
 } forms[] = {{"ocean_sigma_coordinate", sigma, 1 << S, 0},
     {"ocean_s_coordinate", s_first, 1 << S, 1 << A | 1 << B | 1 << DEPTH_C},
     {"ocean_s_coordinate_g1", s_g1, 1 << S | 1 << C, 1 << DEPTH_C},
     {"ocean_s_coordinate_g2", s_g2, 1 << S | 1 << C, 1 << DEPTH_C},
-    {"ocean_sigma_z_coordinate", sigma_z, 1 << S | 1 << ZLEV, 1 << DEPTH_C}};
+    {"ocean_sigma_z_coordinate", sigma_z, 1 << S | 1 << ZLEV, 1 << DEPTH_C},
+    {"ocean_double_sigma_coordinate", double_sigma, 1 << S,
+        1 << A | 1 << Z1 | 1 << Z2 | 1 << HREF | 1 << K_C}};
 
 bool cf_is_ocean(struct cf_file *c, const struct cf_axis *z)
 {
@@ -103,7 +124,8 @@ static bool find_columns(struct cf_file *c, const struct cf_field *f, const char
     for (int i = 0; i < PER_COLUMN; i++) {
         struct cf_layer *l = &o->column[i];
         *l = (struct cf_layer){.group = f->group, .id = -1, .unit = 1};
-        if (!named(terms, column_terms[i], true, name, z, err)) return false;
+        if (!named(terms, column_terms[i], i == DEPTH, name, z, err)) return false;
+        if (i == ETA && !cf_term(terms, column_terms[i], name)) continue;
         if (!cf_find_above(&l->group, name, &l->id))
             return err_set(err, "the levels need %.60s, which is not there", name);
         if (!cf_to_metres(c, l->group, l->id, &l->unit, err)) return false;
@@ -117,7 +139,7 @@ static bool find_metres(
 {
     int id;
     *metres = 1;
-    return nc_inq_varid(group, name, &id) != NC_NOERR || cf_to_metres(c, group, id, metres, err);
+    return !cf_find_above(&group, name, &id) || cf_to_metres(c, group, id, metres, err);
 }
 
 static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char *terms,
@@ -125,22 +147,24 @@ static bool find_numbers(struct cf_file *c, const struct cf_axis *z, const char 
 {
     char name[CF_TEXT];
     double metres;
+    const unsigned singles = forms[o->form].singles;
+    const unsigned lengths = LENGTHS | (singles >> HREF & 1 ? 1 << A : 0);
     for (int i = 0; i < PER_LEVEL; i++) {
         if (!named(terms, level_terms[i], forms[o->form].levels >> i & 1, name, z, err))
             return false;
         if (!*name) continue;
         o->level[i] = xcalloc(z->n, sizeof *o->level[i]);
-        if (!cf_numbers(c, z->in, name, z->n, o->level[i], err)) return false;
+        if (!cf_level_numbers(c, z, name, o->level[i], err)) return false;
         if (i == ZLEV && !find_metres(c, z->in, name, &metres, err)) return false;
         for (size_t k = 0; i == ZLEV && k < z->n; k++) o->level[i][k] *= metres;
     }
     for (int i = 0; i < SINGLE; i++) {
-        const bool needed = forms[o->form].singles >> i & 1;
+        const bool needed = singles >> i & 1;
         o->single[i] = (double)NAN;
         if (i == NSIGMA) cf_term(terms, single_terms[i], name);
         else if (!named(terms, single_terms[i], needed, name, z, err)) return false;
-        if (*name && !cf_numbers(c, z->in, name, 1, &o->single[i], err)) return false;
-        if (i != DEPTH_C || !*name) continue;
+        if (*name && !cf_number(c, z->in, name, &o->single[i], err)) return false;
+        if (!*name || !(lengths >> i & 1)) continue;
         if (!find_metres(c, z->in, name, &metres, err)) return false;
         o->single[i] *= metres;
     }
@@ -152,6 +176,7 @@ struct cf_ocean *cf_ocean_find(struct cf_file *c, const struct cf_field *f, char
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
     char standard[CF_TEXT], *terms = cf_whole_text(c, z->in, z->id, "formula_terms");
     struct cf_ocean *o = xcalloc(1, sizeof *o);
+    o->n = z->n;
     cf_text(c, z->in, z->id, "standard_name", standard);
     while (strcmp(standard, forms[o->form].standard) != 0) o->form++; /* by cf_is_ocean */
     const bool good = find_columns(c, f, terms, o, err) && find_numbers(c, z, terms, o, err);
@@ -180,7 +205,7 @@ bool cf_ocean_values(struct cf_file *c, const struct cf_field *f, const struct c
     for (int i = 0; i < PER_COLUMN; i++) {
         const struct cf_layer *l = &o->column[i];
         column[i] = xcalloc(layer, sizeof *column[i]);
-        if (good) good = cf_layer_read(c, f, l, time, member, g, column[i], err);
+        if (good && l->id >= 0) good = cf_layer_read(c, f, l, time, member, g, column[i], err);
     }
     for (size_t k = 0; good && k < z->n; k++) {
         float *to = g->value + layer * (turned ? z->n - 1 - k : k);

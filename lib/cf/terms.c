@@ -14,20 +14,34 @@
 
 bool cf_term(const char *terms, const char *what, char name[CF_TEXT])
 {
-    size_t n = strlen(what);
-    for (const char *at = terms; (at = strstr(at, what)) != NULL; at += n) {
-        if ((at != terms && at[-1] != ' ') || at[n] != ':') continue;
+    static const char blanks[] = " \t\r\n";
+    const size_t n = strlen(what);
+    for (const char *at = terms; *at; at += strcspn(at, blanks)) {
+        at += strspn(at, blanks);
+        if (strncasecmp(at, what, n) != 0 || at[n] != ':') continue;
         at += n + 1;
-        while (*at == ' ') at++;
-        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, " "), at);
+        at += strspn(at, blanks);
+        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, blanks), at);
         return true;
     }
     name[0] = '\0';
     return false;
 }
 
+/* A path from the root, /g/v, or from the group, g/v. */
+static bool find_path(int *group, const char *path, int *id)
+{
+    const char *slash = strrchr(path, '/');
+    char in[CF_TEXT];
+    snprintf(in, CF_TEXT, "%.*s", (int)(slash - path), path);
+    while (*path == '/' && nc_inq_grp_parent(*group, group) == NC_NOERR) continue;
+    if (*in && nc_inq_grp_full_ncid(*group, in, group) != NC_NOERR) return false;
+    return nc_inq_varid(*group, slash + 1, id) == NC_NOERR;
+}
+
 bool cf_find_above(int *group, const char *name, int *id)
 {
+    if (strchr(name, '/')) return find_path(group, name, id);
     while (nc_inq_varid(*group, name, id) != NC_NOERR)
         if (nc_inq_grp_parent(*group, group) != NC_NOERR) return false;
     return true;
@@ -71,25 +85,60 @@ bool cf_to_pascals(struct cf_file *c, int group, int id, double *value, char err
     return err_set(err, "%.60s is in '%.60s', expected a unit of pressure", name, units);
 }
 
-bool cf_numbers(
-    struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES])
+/* Reads the numbers of a variable of one dimension or none, which the caller frees. NULL with the
+ * reason in err if they cannot be read. */
+static double *numbers(
+    struct cf_file *c, int group, const char *name, size_t *length, char err[ERR_BYTES])
 {
     int id, dims, dim[NC_MAX_VAR_DIMS];
-    size_t length = 1;
     struct cf_packing p;
-    if (nc_inq_varid(group, name, &id) != NC_NOERR)
-        return err_set(err, "the levels name %.60s, which is not there", name);
+    *length = 1;
+    if (!cf_find_above(&group, name, &id)) {
+        err_set(err, "the levels name %.60s, which is not there", name);
+        return NULL;
+    }
     cf_did(c, nc_inq_var(group, id, NULL, NULL, &dims, dim, NULL));
-    if (!c->status && dims > 1)
-        return err_set(err, "%.60s has %d dimensions, expected 1", name, dims);
-    if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], &length));
-    if (!c->status && length != n)
-        return err_set(err, "%.60s has %zu numbers, expected %zu", name, length, n);
+    if (!c->status && dims > 1) {
+        err_set(err, "%.60s has %d dimensions, expected 1", name, dims);
+        return NULL;
+    }
+    if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], length));
     cf_packing(c, group, id, &p);
-    if (!cf_unpacks(&p, name, err)) return false;
-    if (!c->status) cf_did(c, nc_get_var_double(group, id, out));
-    for (size_t i = 0; !c->status && i < n; i++) out[i] = cf_unpack(&p, out[i]);
-    return cf_look(c, err);
+    if (!cf_unpacks(&p, name, err)) return NULL;
+    double *all = xcalloc(*length + 1, sizeof *all);
+    if (!c->status) cf_did(c, nc_get_var_double(group, id, all));
+    for (size_t i = 0; !c->status && i < *length; i++) all[i] = cf_unpack(&p, all[i]);
+    if (cf_look(c, err)) return all;
+    free(all);
+    return NULL;
+}
+
+bool cf_number(struct cf_file *c, int group, const char *name, double *out, char err[ERR_BYTES])
+{
+    size_t n;
+    double *all = numbers(c, group, name, &n, err);
+    if (all) *out = all[0];
+    const bool good = all && (n == 1 || err_set(err, "%.60s has %zu numbers, expected 1", name, n));
+    free(all);
+    return good;
+}
+
+bool cf_level_numbers(
+    struct cf_file *c, const struct cf_axis *z, const char *name, double *out, char err[ERR_BYTES])
+{
+    size_t n;
+    double *all = numbers(c, z->in, name, &n, err);
+    bool good = all != NULL;
+    for (size_t k = 0; good && k < z->n; k++) {
+        const double level = n == z->n ? (double)k + 1 : z->at[k];
+        good = level >= 1 && level <= (double)n && level == floor(level);
+        if (good) out[k] = all[(size_t)level - 1];
+    }
+    if (all && !good)
+        err_set(err, "%.60s has %zu numbers, expected %zu, or levels that count them from 1", name,
+            n, z->n);
+    free(all);
+    return good;
 }
 
 /* ---- layers ---------------------------------------------------------------------------------- */

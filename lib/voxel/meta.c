@@ -124,7 +124,8 @@ static bool find_numbers(struct voxel *v, const struct header *h, struct voxel_a
     const char *file = h->text[DATA];
     double skip = 0;
     if (strncasecmp(file, "LIST", 4) == 0 || strchr(file, '%'))
-        return voxel_fail(v, "ElementDataFile: several files, expected one");
+        return voxel_fail(
+            v, "ElementDataFile: several files, expected one; cat joins raw ones, in their order");
     const bool local = strcasecmp(file, "LOCAL") == 0;
     if (!local && !voxel_beside(v, file, &v->data)) return false;
     a->at.p = local ? v->bytes + h->end : buf_data(&v->data);

@@ -335,7 +335,8 @@ static bool find_numbers(struct voxel *v, struct header *h, struct voxel_array *
         return voxel_fail(v, "encoding: %s, expected raw, ascii, hex or gzip",
             err_word(shown, encoding, strlen(encoding)));
     if (strncmp(file, "LIST", 4) == 0 || strchr(file, '%'))
-        return voxel_fail(v, "data file: several files, expected one");
+        return voxel_fail(
+            v, "data file: several files, expected one; cat joins raw ones, in their order");
     if (*file && !voxel_beside(v, file, &v->data)) return false;
     a->at.p = *file ? buf_data(&v->data) : v->bytes + h->end;
     a->at.n = *file ? buf_size(&v->data) : v->n_bytes - h->end;
