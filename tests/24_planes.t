@@ -71,6 +71,10 @@ is 'Albers' "$(mapped albers m "grid_mapping_name = \"albers_conical_equal_area\
 is 'transverse Mercator' "$(mapped utm m "grid_mapping_name = \"transverse_mercator\"; scale_factor_at_central_meridian = .9996;
 	latitude_of_projection_origin = 0.; longitude_of_central_meridian = 9.; false_easting = 500000.; $wgs")" \
 	'+proj=tmerc +lat_0=0 +lon_0=9 +k_0=0.9996 +x_0=500000 +a=6378137 +rf=298.2572236 [m] -3 6'
+is 'sinusoidal' "$(mapped sinusoidal m "grid_mapping_name = \"sinusoidal\"; longitude_of_projection_origin = 20.; earth_radius = 6371007.181;")" \
+	'+proj=sinu +lon_0=20 +R=6371007.181 [m] -3 6'
+is 'seen from a height' "$(mapped seen m "grid_mapping_name = \"vertical_perspective\"; latitude_of_projection_origin = 40.; longitude_of_projection_origin = 10.;
+	perspective_point_height = 3000000.; $sphere")" '+proj=nsper +lat_0=40 +lon_0=10 +h=3000000 +R=6371229 [m] -3 6'
 satellite='grid_mapping_name = "geostationary"; longitude_of_projection_origin = -75.; perspective_point_height = 35786023.;'
 is 'what a satellite sees, in radians' "$(mapped radians rad "$satellite sweep_angle_axis = \"x\"; $wgs")" \
 	'+proj=geos +lon_0=-75 +sweep=x +h=35786023 +a=6378137 +rf=298.2572236 [m] -107358069 214716138'
@@ -82,7 +86,7 @@ is 'a field without a mapping has no plane' "$(sed 's/s:grid_mapping/s:note/' ut
 is 'a meridian and an ellipsoid by name' "$(mapped paris m "grid_mapping_name = \"lambert_conformal_conic\"; standard_parallel = 46.8; latitude_of_projection_origin = 46.8;
 	longitude_of_central_meridian = 0.; longitude_of_prime_meridian = 2.33722917; reference_ellipsoid_name = \"Bessel 1841\";")" \
 	'+proj=lcc +lat_1=46.8 +lat_2=46.8 +lat_0=46.8 +lon_0=0 +pm=2.33722917 +a=6377397.155 +rf=299.1528128 [m] -3 6'
-for bad in 'lambert_conformal_conic has no number standard_parallel' 'geostationary has no number perspective_point_height' vertical_perspective; do
+for bad in 'lambert_conformal_conic has no number standard_parallel' 'geostationary has no number perspective_point_height' healpix; do
 	mapped bad m "grid_mapping_name = \"${bad%% *}\"; longitude_of_central_meridian = 9.;" >got 2>err
 	like "a mapping that is not known: ${bad%% *}" "$(cat got):$(cat err)" "^ .m. -3 6:nc2vtk: bad.nc: s: its grid mapping (is )?$bad"
 done

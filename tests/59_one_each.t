@@ -107,8 +107,8 @@ for method in adaptive auto dc gdc hybrid interleaved sc; do
 	is "balance $method -T 2" "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
 done
 # A host that cannot be used, one that is not ready, and one that is lost after its first pixels leave the head to the next.
-printf '%s\n' '#!/bin/sh' 'exit $1' >ends
-printf '%s\n' '#!/bin/sh' '[ ! -e once ] || exec sh -c "$1"' ': >once; sh -c "$1" | dd bs=1 count=4000 2>/dev/null' >cut && chmod +x ends cut
+printf '%s\n' '#!/bin/sh' 'exit $1' >./ends
+printf '%s\n' '#!/bin/sh' '[ ! -e once ] || exec sh -c "$1"' ': >once; sh -c "$1" | dd bs=1 count=4000 2>/dev/null' >./cut && chmod +x ends cut
 for head in 'ends 127' 'ends 1' cut; do
 	rm -f once a.pfm
 	{ echo "lame via=\"./$head %c\""; sed -n '2,4p' four.hosts; } >lame.hosts

@@ -24,6 +24,8 @@ static const struct mapping {
     {"lambert_azimuthal_equal_area", "laea", {NULL}, true, false},
     {"azimuthal_equidistant", "aeqd", {NULL}, true, false},
     {"lambert_cylindrical_equal_area", "cea", {"lat_ts"}, false, false},
+    {"sinusoidal", "sinu", {NULL}, false, false}, {"orthographic", "ortho", {NULL}, true, false},
+    {"vertical_perspective", "nsper", {NULL}, true, false},
     {"geostationary", "geos", {NULL}, false, false}};
 
 /* ---- attributes ------------------------------------------------------------------------------ */
@@ -101,7 +103,7 @@ static bool rotated(const struct place *at, char text[PROJECTION_TEXT], char err
     return true;
 }
 
-/* Appends the height of a satellite over the equator, and the axis about which its scan sweeps. */
+/* Appends the height of a point of view, as of a satellite over the equator, and the axis about which its scan sweeps. */
 static bool add_satellite(const struct place *at, char text[PROJECTION_TEXT])
 {
     char sweep[CF_TEXT], fixed[CF_TEXT];
@@ -135,8 +137,8 @@ static bool compose(const struct place *at, const struct mapping *m, double metr
     for (size_t i = 0; !lon && i < sizeof lons / sizeof *lons; i++)
         lon = add(at, lons[i], key, text);
     if (!lon) return lacks(m->name, lons[0], err);
-    if (strcmp(m->proj, "geos") == 0 && !add_satellite(at, text))
-        return lacks(m->name, "perspective_point_height", err);
+    const bool above = strcmp(m->proj, "geos") == 0 || strcmp(m->proj, "nsper") == 0;
+    if (above && !add_satellite(at, text)) return lacks(m->name, "perspective_point_height", err);
     add(at, "azimuth_of_central_line", "alpha", text);
     if (!n && !add(at, "scale_factor_at_projection_origin", "k_0", text))
         add(at, "scale_factor_at_central_meridian", "k_0", text);

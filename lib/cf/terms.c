@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #define GRAVITY 9.80665 /* m/s2 */
+#define NUMBERS_MOST (1 << 20)
 
 /* ---- names and units ------------------------------------------------------------------------- */
 
@@ -105,6 +106,10 @@ static double *numbers(
     if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], length));
     cf_packing(c, group, id, &p);
     if (!cf_unpacks(&p, name, err)) return NULL;
+    if (*length > NUMBERS_MOST) { /* a small file can claim them */
+        err_set(err, "%.60s has %zu numbers, expected at most %d", name, *length, NUMBERS_MOST);
+        return NULL;
+    }
     double *all = xcalloc(*length + 1, sizeof *all);
     if (!c->status) cf_did(c, nc_get_var_double(group, id, all));
     for (size_t i = 0; !c->status && i < *length; i++) all[i] = cf_unpack(&p, all[i]);
