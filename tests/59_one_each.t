@@ -108,7 +108,7 @@ for method in adaptive auto dc gdc hybrid interleaved sc; do
 done
 # A host that cannot be used, one that is not ready, and one that is lost after its first pixels leave the head to the next.
 printf '%s\n' '#!/bin/sh' 'exit $1' >ends
-printf '%s\n' '#!/bin/sh' '[ ! -e once ] || exec sh -c "$1"' ': >once; sh -c "$1" | dd bs=1 count=4000 2>/dev/null' >cut && chmod +x ends cut
+printf '%s\n' '#!/bin/sh' '[ ! -e once ] || exec sh -c "$1"' ': >once; sh -c "$1" | dd bs=1 count=4000 2>/dev/null' >./cut && chmod +x ends cut
 for head in 'ends 127' 'ends 1' cut; do
 	rm -f once a.pfm
 	{ echo "lame via=\"./$head %c\""; sed -n '2,4p' four.hosts; } >lame.hosts
