@@ -267,6 +267,9 @@ refused 'gauss:0' 'vcworker: -m gauss:0: expected gauss:N, an integer from 1 to 
 refused 'balance: a bad specification' 'vcworker: bad.spec:11:' balance ds -o x-%d.png a.vtk one.spec bad.spec
 refused 'balance: a bad grid behind a good one' 'vcworker: bad.vtk:' balance ds -o x-%d.png a.vtk bad.vtk one.spec
 refused 'balance: no specification' 'job: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
+printf 'v\nfrom 0 0 1\n' >v.view
+refused 'balance: a view with the line v of a scene' 'job: v.view: begins with `v` as a scene does, expected a view or a specification: the lines behind `v`, without it' \
+	balance ds -o x.png "$root/scenes/boat.nff" v.view
 refused 'balance: no grid' 'job: one.spec: is a view or a specification, expected a scene or a grid before it' balance ds -o x.png one.spec two.spec
 refused 'balance: one name for two' 'job: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
 ln -s one.spec one.png

@@ -116,9 +116,23 @@ for head in 'ends 127' 'ends 1' cut; do
 	is "its head has: $head" "$status $(cmp a.pfm good0.pfm 2>&1)" '0 '
 	like "its head has: $head: the next is named" "$err" '^fan: (slot 0 on )?lame: .*; its rack is led by b$'
 done
+printf '%s\n' '#!/bin/sh' '[ -z "$BELOW" ] || exec sh -c "$1"' 'export BELOW=1; sh -c "$1" | { dd bs=1 count=9000 2>/dev/null; echo; echo; cat; }' >garbles && chmod +x garbles
+printf 'lame%d via="./garbles %%c"\n' 1 2 >lame.hosts
+sed -n 2p four.hosts >>lame.hosts
+run balance adaptive -z off -T 4 -S lame.hosts -s 60x44 -o a.pfm 0.nff
+is 'heads whose streams are damaged: each is named, and the last host leads' \
+	"$status $(cmp a.pfm good0.pfm 2>&1) $(sed -nE 's/^fan: slot 0 on (lame.): lost \(garbage\).* is (led by .*)$/\1 \2/p' .err | paste -sd , -)" '0  lame1 led by lame2,lame2 led by b'
+for code in 1 127; do
+	printf 'lame%d via="./ends %d %%c"\n' 1 $code 2 1 >lame.hosts
+	sed -n 2p four.hosts >>lame.hosts
+	like "fan -l -T asks each host that may lead, $code" "$(fan -l -T 4 -S lame.hosts rtworker 2>&1)" "^0	b	[0-9.]+$"
+done
+printf 'lame%d tries=1 via="./ends 1 %%c"\n' 1 2 >lame.hosts
+run fan -T 2 -S lame.hosts rtworker - <tasks
+like 'tries= is of each host of a rack' "$status $(paste -sd ' ' .err)" '^3 .*led by lame2 fan: lame2: .* [(]exit-1[)]; no try is left [(]tries=1[)] '
 printf 'lame%d via="./ends 127 %%c"\n' 1 2 >lame.hosts
 run balance adaptive -T 2 -S lame.hosts -s 60x44 -o a.pfm 0.nff
-is 'a rack of which no host can be used is given up' "$status $(grep -c 'led by' .err) $(grep -c 'no slot left' .err)" '3 1 1'
+is 'a rack of which no host can be used is given up' "$status $(grep -c 'no deal on its PATH.* led by' .err) $(grep -c 'no slot left' .err)" '3 1 1'
 run balance adaptive -T 2 -v 1 -S four.hosts -s 60x44 -o a.pfm 0.nff
 like 'a tree cannot be verified' "$status $(tail -n 1 .err)" '^2 balance: -v: a tree of racks, expected at most [0-9]+ hosts$'
 run balance adaptive -T 2 -j 2 -s 60x44 -o a.pfm 0.nff

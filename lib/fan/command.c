@@ -41,6 +41,11 @@ char **fan_command_line(const struct host *h, char *const *command, int slots)
     return insert(h, command, at + 1, (char *const[]){jobs, number, NULL});
 }
 
+const char *fan_first_word(const struct host *h, char *const *command)
+{
+    return h->rack && !words_of_node(command) ? "deal" : *command;
+}
+
 char **fan_reference_line(const struct fan_options *o)
 {
     char name[] = ":", rack[] = ": slots=1\n";
@@ -61,7 +66,7 @@ void fan_succeed(const struct fan_options *o, struct fan_host *h)
     host_argv_free(h->argv);
     h->argv = fan_command_line(h->host, o->command, 1);
     h->by_ssh = host_by_ssh(h->host);
-    h->asked = false;
+    h->asked = h->told_queued = h->told_plain = false;
     h->jump = 0;
     if (h->failures < fan_host_heads(h)) h->said = FAN_QUIET; /* each gets a message of its own */
 }

@@ -7,7 +7,9 @@
 
 /* The command line of a worker with this number of slots, or of a rack. host_argv_free frees it. */
 char **fan_command_line(const struct host *h, char *const *command, int slots);
-/* That of the worker with which the others must agree. */
+/* The program that such a command runs there. */
+const char *fan_first_word(const struct host *h, char *const *command);
+/* The command line of the worker with which the others must agree. */
 char **fan_reference_line(const struct fan_options *o);
 /* The slots of a line: a node of a ring is one, whatever its worker has. */
 int fan_numbers(const struct fan_options *o, const struct host *line);

@@ -111,6 +111,7 @@ struct fan_slot {
     bool told_gone;     /* `gone` was reported, and `up` not since */
     char lost_why[24];  /* the latest loss that was printed: its reason, */
     int64_t lost_us;    /* and when */
+    int n_told;         /* losses for this reason since then: a rack prints one for each head */
     bool repeats;       /* the latest loss was counted instead */
     bool measured;      /* fan -l: nothing is left to measure */
     int64_t trip_us;    /* time from the end of its input to its bye; 0: not known */
@@ -250,6 +251,7 @@ bool fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *ext
 bool fan_excuse(struct fan *f, const struct fan_slot *s);
 
 /* ---- report.c ---- */
+#define FAN_LED_BY "; its rack is led by " /* in messages: the next head */
 /* The wait before the next try after this number of failures in a row. */
 int64_t fan_retry_wait_us(const struct fan_host *h, int failures);
 /* True if tries= allows the host no other connection. */

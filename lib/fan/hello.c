@@ -77,12 +77,15 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
 static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, ...)
 {
     char text[512], name[SLOT_NAME];
+    const struct host *heir = host_heir(s->host->host);
     va_list ap;
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
     if (s->host->here) warn("%s: refused: %s", fan_slot_name(s, name), text);
-    else if (s->host->said != FAN_ENDED) warn("%s: refused: %s", s->host->host->name, text);
+    else if (s->host->said != FAN_ENDED)
+        warn("%s: refused: %s%s%s", s->host->host->name, text, heir ? FAN_LED_BY : "",
+            heir ? heir->name : "");
     s->host->said = FAN_ENDED;
     return why;
 }

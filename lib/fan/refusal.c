@@ -53,10 +53,10 @@ static bool has(const char *line, size_t n, const char *words)
 }
 
 /* The last component of the worker's path: a shell, or env(1), names it if it is missing. */
-static const char *worker_of(const struct fan *f)
+static const char *worker_of(const struct fan *f, const struct host *h)
 {
-    const char *slash = strrchr(f->o->command[0], '/');
-    return slash ? slash + 1 : f->o->command[0];
+    const char *first = fan_first_word(h, f->o->command), *slash = strrchr(first, '/');
+    return slash ? slash + 1 : first;
 }
 
 /* A shell says that there is no such worker, or here no such launcher. */
@@ -68,7 +68,8 @@ static bool names_worker(const struct fan *f, const struct fan_slot *s, const ch
     int i = 0;
     while (says[i] && !has(line, n, says[i])) i++;
     if (!says[i]) return false;
-    return has(line, n, host_launcher(s->host->host, launcher) ? worker_of(f) : launcher);
+    return has(
+        line, n, host_launcher(s->host->host, launcher) ? worker_of(f, s->host->host) : launcher);
 }
 
 void fan_refusal_forget(struct fan_slot *s)
@@ -111,7 +112,7 @@ bool fan_refusal_is_final(const struct fan_slot *s)
 /* Explains the exit status of the shell here, or of the remote one. */
 static void explain_command(const struct fan *f, const struct host *h, bool found, struct buf *text)
 {
-    const char *worker = worker_of(f);
+    const char *worker = worker_of(f, h);
     char launcher[HOST_LAUNCHER_MOST];
     buf_printf(text, "%s: ", h->name);
     if (!host_launcher(h, launcher))

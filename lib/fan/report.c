@@ -4,14 +4,13 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define LED_BY "; its rack is led by "
 #define REPEATS_US 60000000 /* a slot that is lost again in this time is counted */
 
 int64_t fan_retry_wait_us(const struct fan_host *h, int failures)
 {
     int64_t wait_us = PATIENCE_RETRY_FIRST_US;
-    for (int i = fan_host_heads(h); i < failures && wait_us < PATIENCE_RETRY_MOST_US; i++)
-        wait_us *= 2;
+    const int heads = fan_host_heads(h);
+    for (int i = heads; i < failures && wait_us < PATIENCE_RETRY_MOST_US; i += heads) wait_us *= 2;
     return wait_us < PATIENCE_RETRY_MOST_US ? wait_us : PATIENCE_RETRY_MOST_US;
 }
 
@@ -43,8 +42,9 @@ const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT])
 void fan_say_repeats(struct fan_host *h)
 {
     if (h->repeats)
-        warn("%s: losses for the same reason that were not shown: %d",
-            h->here ? "this machine" : h->host->name, h->repeats);
+        warn("%s%s: losses for the same reason that were not shown: %d",
+            h->here ? "this machine" : h->host->name, fan_host_heads(h) > 1 ? " and its rack" : "",
+            h->repeats);
     h->repeats = 0;
 }
 
@@ -52,7 +52,9 @@ void fan_say_lost(struct fan_slot *s, const char *why, int32_t lost, bool again,
 {
     char name[SLOT_NAME];
     const int64_t now = now_us();
-    s->repeats = again && strcmp(why, s->lost_why) == 0 && now - s->lost_us < REPEATS_US;
+    bool same = strcmp(why, s->lost_why) == 0 && now - s->lost_us < REPEATS_US;
+    s->n_told = same ? s->n_told + 1 : 1;
+    s->repeats = again && s->n_told > fan_host_heads(s->host);
     s->host->repeats += s->repeats;
     if (s->repeats) return;
     if (!again || *s->lost_why) fan_say_repeats(s->host);
@@ -60,7 +62,7 @@ void fan_say_lost(struct fan_slot *s, const char *why, int32_t lost, bool again,
     s->lost_us = now;
     const struct host *heir = again ? host_heir(s->host->host) : NULL;
     warn("%s: lost (%s) with %" PRId32 " tasks%s%s%s", fan_slot_name(s, name), why, lost,
-        heir            ? LED_BY
+        heir            ? FAN_LED_BY
         : !again        ? ""
         : s->host->here ? ", starting again"
                         : ", connecting again",
@@ -105,8 +107,9 @@ void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool
     if (!fan_refusal_explain(f, s, why, &text))
         buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
             again ? "reached" : "used", why, says, s->conn.chatter);
-    const struct host *heir = again ? host_heir(s->host->host) : NULL;
-    if (heir) buf_printf(&text, LED_BY "%s", heir->name);
+    const bool next = again && s->host->failures < fan_host_heads(s->host);
+    const struct host *heir = next ? host_heir(s->host->host) : NULL;
+    if (heir) buf_printf(&text, FAN_LED_BY "%s", heir->name);
     else if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
         if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
@@ -114,7 +117,7 @@ void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool
             buf_printf(&text, " for up to %s", fan_patience_text(f, patience));
     }
     if (fan_host_exhausted(s->host))
-        buf_printf(&text, "; no try is left (tries=%d)", s->host->failures);
+        buf_printf(&text, "; no try is left (tries=%d)", s->host->host->tries);
     buf_append(&text, "", 1);
     warn("%s", (const char *)buf_data(&text));
     buf_free(&text);

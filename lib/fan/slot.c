@@ -134,7 +134,10 @@ static void settle(struct fan *f, struct fan_slot *s)
     if (s->state == FAN_WAITING && s->drains) fan_slot_give_up(f, s, "left");
     else if (s->state == FAN_GONE) fan_slot_forget(s);
     else s->retry_us = now_us() + fan_retry_wait_us(s->host, s->failures);
-    if (s->state == FAN_WAITING) fan_succeed(f->o, s->host);
+    if (s->state != FAN_WAITING) return;
+    f->n_by_ssh -= s->host->by_ssh;
+    fan_succeed(f->o, s->host);
+    f->n_by_ssh += s->host->by_ssh;
 }
 
 void fan_slot_open(struct fan *f, struct fan_slot *s)
@@ -307,15 +310,17 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     if (s->conn.completed_task) s->deaths = 0;
     else if (s->conn.connected && s->n_tasks && !fan_excuse(f, s)) s->deaths++;
     int most = s->host->host->tries ? s->host->host->tries : DEATHS_MOST;
-    bool first = s->failures <= 1 && !s->host->failures;
+    const int heads = fan_host_heads(s->host);
+    bool first = s->failures <= heads && s->host->failures < heads;
     /* Only policies whose slots may come back start workers of this machine again. */
     again &= !s->host->here || s->width > 1 || (s->conn.connected && f->joins);
     again &= s->deaths < most && !s->drains;
-    if (!again && !s->conn.connected && !s->drains) again = leaves_an_heir(s);
+    if (!again && !s->drains) again = leaves_an_heir(s);
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;
-    s->measured |= !more || now_us() - s->conn.opened_us > PATIENCE_ASK_AGAIN_US;
+    bool slow = now_us() - s->conn.opened_us > PATIENCE_ASK_AGAIN_US;
+    s->measured |= !more || (slow && !host_heir(s->host->host));
     int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);

@@ -33,7 +33,7 @@ static bool check_file(const struct job *j, const char *path, char err[ERR_BYTES
                err_path(shown, path));
 }
 
-enum kind { GRID, VIEW, OTHER }; /* a specification is VIEW or OTHER */
+enum kind { GRID, VIEW, SCENE, OTHER }; /* a specification is VIEW or OTHER */
 
 static bool look(const char *path, enum kind *kind, char err[ERR_BYTES])
 {
@@ -41,7 +41,10 @@ static bool look(const char *path, enum kind *kind, char err[ERR_BYTES])
     uint64_t size;
     char why[ERR_BYTES], shown[ERR_PATH];
     const size_t n = job_first(path, first, &size);
-    *kind = job_is_grid(first, n) ? GRID : job_is_view(first, n) ? VIEW : OTHER;
+    *kind = job_is_grid(first, n)    ? GRID
+            : job_is_view(first, n)  ? VIEW
+            : job_is_scene(first, n) ? SCENE
+                                     : OTHER;
     return job_readable(first, n, size, why) || err_set(err, "%s: %s", err_path(shown, path), why);
 }
 
@@ -61,8 +64,8 @@ static bool sort(struct job *j, char err[ERR_BYTES])
 {
     char shown[ERR_PATH];
     size_t grids = 0, before = 0; /* the first view */
+    enum kind kind = OTHER;
     for (size_t i = 0; i < j->n; i++) {
-        enum kind kind;
         if (!look(j->path[i], &kind, err)) return false;
         grids += kind == GRID && grids == i;
         before += kind != VIEW && before == i;
@@ -76,6 +79,11 @@ static bool sort(struct job *j, char err[ERR_BYTES])
         j->subjects = before;
         return true;
     }
+    if (!grids && kind == SCENE)
+        return err_set(err,
+            "%s: begins with `v` as a scene does, expected a view or a specification: the lines "
+            "behind `v`, without it",
+            err_path(shown, j->path[j->n - 1]));
     j->what = JOB_GRIDS;
     j->starter = j->n == 1;
     if (grids == j->n && j->n > 1)

@@ -22,6 +22,8 @@ size_t job_first(const char *path, unsigned char first[JOB_FIRST], uint64_t *siz
 bool job_is_grid(const unsigned char *first, size_t n);
 /* True if its first word is one of a view, as that of a specification may be. */
 bool job_is_view(const unsigned char *first, size_t n);
+/* True if it begins with the line `v` of a scene. */
+bool job_is_scene(const unsigned char *first, size_t n);
 /*
  * If no program that renders reads such a file, returns false with the rest of "FILE: ..." in err:
  * what it is, what was expected, and the program that reads it. Other files are taken for text.

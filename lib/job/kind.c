@@ -103,6 +103,12 @@ bool job_is_view(const unsigned char *first, size_t n)
     return false;
 }
 
+bool job_is_scene(const unsigned char *first, size_t n)
+{
+    const size_t at = skip_comments(first, n);
+    return at + 1 < n && first[at] == 'v' && strchr("\r\n", first[at + 1]) && first[at + 1];
+}
+
 /* OBJ has no magic number. Its first line names a library, an object or a group, or is a vertex
  * with its numbers; NFF's line `v` has a word behind it, or none. */
 static bool is_obj(const unsigned char *p, size_t n)

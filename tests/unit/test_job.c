@@ -171,7 +171,8 @@ static void test_together(void **state)
     assert_true(job_of(&j, FILES(a, b, x), err) && j.subjects == 2 && !j.starter);
     assert_int_equal(job_states(&j), 2);
     assert_true(job_of(&j, FILES(a, x, b), err) && j.subjects == 1); /* b is no specification */
-    assert_true(job_of(&j, FILES(scene, other), err) && j.subjects == 1 && j.what == JOB_GRIDS);
+    assert_false(job_of(&j, FILES(scene, other), err));
+    assert_non_null(strstr(err, "expected a view or a specification: the lines behind `v`"));
     assert_true(job_of(&j, FILES(scene, x), err) && j.subjects == 1 && j.what == JOB_SCENE);
     assert_true(job_of(&j, FILES(scene, other, x, y, a), err) && j.what == JOB_SCENE);
     assert_int_equal(job_states(&j), 6);
