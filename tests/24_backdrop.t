@@ -375,10 +375,13 @@ else
 	plane norway 200000 1200000 6500000 7900000 m '+proj=utm +zone=33 +ellps=WGS84'
 	plane oblique -1500000 1500000 -1200000 1200000 m "+proj=omerc +lat_0=40 +lonc=-125 +alpha=30 +gamma=0 +k=1 $earth"
 	plane disc -5400000 5400000 -5400000 5400000 m '+proj=geos +lon_0=-75 +sweep=x +h=35786023 +a=6378137 +rf=298.2572236'
+	plane modis -2000000 3000000 3300000 7700000 m '+proj=sinu +lon_0=0 +R=6371007.181'
+	plane seen -3000000 3000000 -3000000 3000000 m "+proj=nsper +lat_0=45 +lon_0=10 +h=3000000 $earth"
+	plane far -6300000 6300000 -6300000 6300000 m "+proj=ortho +lat_0=45 +lon_0=10 $earth"
 	plane cosmo -28 18 -23 21 degrees "+proj=ob_tran +o_proj=longlat +o_lon_p=0 +o_lat_p=39.25 +lon_0=18 $earth"
 	# PROJ has a kilometre, and a degree of a rotated sphere is there in radians.
 	for place in lambert:-18.1:64.3:.001 america:-133.459:12.5:1 arctic:100:75:1 antarctic:-150:-72:1 mercator:140:35:1 pacific:140:35:1 albers:-80:40:1 europe:24:60:1 norway:20:65:1 \
-		oblique:-130:45:1 disc:-100:60:1 cosmo:2:48:57.29577951308232; do
+		oblique:-130:45:1 disc:-100:60:1 modis:20:60:1 seen:-5:30:1 far:-40:70:1 cosmo:2:48:57.29577951308232; do
 		IFS=: read -r name lon lat unit <<-END
 			$place
 		END

@@ -36,9 +36,7 @@ static void lead(struct host *rack, size_t at)
 {
     struct buf text = {0};
     const struct host old = *rack;
-    put_line(&text, &old.members[at], true);
-    for (size_t k = 1; k < old.n_members; k++)
-        put_line(&text, &old.members[(at + k) % old.n_members], false);
+    for (size_t k = 0; k < old.n_members; k++) put_line(&text, &old.members[k], k == at);
     buf_append(&text, "", 1);
     free(old.rack);
     *rack = old.members[at];

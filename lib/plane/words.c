@@ -13,7 +13,9 @@ static const struct projection projections[] = {{"lcc", PLANE_CONE}, {"aea", PLA
     {"eqdc", PLANE_CONE}, {"merc", PLANE_CYLINDER}, {"eqc", PLANE_CYLINDER},
     {"cea", PLANE_CYLINDER}, {"stere", PLANE_POINT}, {"ups", PLANE_POINT}, {"laea", PLANE_POINT},
     {"aeqd", PLANE_POINT}, {"tmerc", PLANE_NEAR}, {"utm", PLANE_NEAR}, {"omerc", PLANE_NEAR},
-    {"geos", PLANE_DISC}, {"ob_tran", PLANE_ROTATED}};
+    {"sinu", PLANE_CONE}, {"geos", PLANE_DISC}, {"nsper", PLANE_DISC}, {"ortho", PLANE_DISC},
+    {"ob_tran", PLANE_ROTATED}};
+#define FAR_M 1e12 /* the height from which an orthographic view is seen, as good as any */
 
 static const char *const numbers[] = {"R", "a", "alpha", "b", "f", "gamma", "h", "k", "k_0",
     "lat_0", "lat_1", "lat_2", "lat_ts", "lon_0", "lon_1", "lon_2", "lonc", "o_lat_p", "o_lon_p",
@@ -36,6 +38,7 @@ static bool set_kind(struct plane_words *w, const char *name)
         if (strcmp(name, projections[i].name) == 0) {
             w->kind = projections[i].kind;
             w->polar = strcmp(name, "ups") == 0;
+            if (strcmp(name, "ortho") == 0) w->height = FAR_M;
             return true;
         }
     return false;

@@ -459,8 +459,8 @@ static void racks_have_the_lines_of_their_hosts(void **state)
     host_succeed(rack, host_heir(rack));
     assert_string_equal(rack->name, "c");
     assert_true(rack->send && rack->slots == 1 && rack->power > 7);
-    assert_string_equal(rack->rack, ": power=\"3\"\n"
-                                    "a slots=\"2\" power=\"1\"\nb bin=\"/b\" power=\"3\"\n");
+    assert_string_equal(rack->rack, "a slots=\"2\" power=\"1\"\nb bin=\"/b\" power=\"3\"\n"
+                                    ": power=\"3\"\n");
     host_succeed(rack, host_heir(rack));
     assert_string_equal(rack->name, "a");
     hosts_free(&hosts);
