@@ -103,7 +103,8 @@ static bool rotated(const struct place *at, char text[PROJECTION_TEXT], char err
     return true;
 }
 
-/* Appends the height of a point of view, as of a satellite over the equator, and the axis about which its scan sweeps. */
+/* Appends the height from which the earth is seen, and the axis about which a satellite's scan
+ * sweeps. */
 static bool add_satellite(const struct place *at, char text[PROJECTION_TEXT])
 {
     char sweep[CF_TEXT], fixed[CF_TEXT];
