@@ -495,6 +495,10 @@ f 1 1 0.5 1 0 0 0 1
 f 0.5149177 0.5149177 0.25745884 1 0 0 0 1
 f 1 1 1 1 0 0 0 1'
 is '-t: the count of colours is told' "$err" 'mesh2nff: textured.obj: colours of textures: 5, at most 2.5/255 of sRGB off'
+# The first face in the white quarter, the second in the blue one.
+sed 's/^map_Kd q/map_Kd -blendu on -s 1 0.5 1 -o 0.375 -0.125 q/' textured.mtl >moved.mtl
+sed 's/textured/moved/' textured.obj >moved.obj
+is '-t: the scale and offset of an MTL' "$(mesh2nff -t moved.obj 2>err | grep '^f ' | sed -n 1,2p | tr '\n' ';')" 'f 1 1 0.5 1 0 0 0 1;f 0 0 0.5 1 0 0 0 1;'
 # A grey of 188 in 8 bits is .5029 of the light; the nearest step is 190.
 { printf 'P6 1500 3 255\n'; packed 'C*' 188 188 188 | perl -e '$_ = <>; print $_ x 4500'; } >wide.ppm
 sed 's/quarters.png/wide.ppm/I' textured.mtl >wide.mtl
@@ -532,6 +536,9 @@ fi
 like '-t: other textures are named' "$err" "^mesh2nff: textured.gltf: materials with textures besides the base colour's: 1, written without them"
 sed 's/"TEXCOORD_0": 1/"TEXCOORD_0": 0, "TEXCOORD_1": 1/g; s/{"offset"/{"texCoord": 1, "offset"/' textured.gltf >chosen.gltf
 is '-t: texture coordinates that KHR_texture_transform chooses' "$(mesh2nff -t chosen.gltf 2>err | grep '^f ' | sed -n 2p)" 'f 1 1 1 1 0 0 0 1'
+# Coordinates of bytes, which libassimp does not divide by 255.
+sed 's/\(5126\)\(, "count": 3, "type": "VEC2"\)/5121\2, "normalized": true/' textured.gltf >integers.gltf
+like '-t: integers as texture coordinates are told' "$(mesh2nff -t integers.gltf 2>&1 >a)" 'not placed by coordinates of floating point: 3, written without them'
 sed 's/quarters.png/none.png/I' textured.mtl >wide.mtl
 like '-t: a picture that is not there' "$(mesh2nff -t wide.obj 2>&1 >a)" \
 	"pictures of textures that cannot be read [(]none.png: No such file or directory[)]: 2, their faces have the material's colour"
@@ -596,6 +603,31 @@ printf '%s 255 0 0\n' '0 0 0' '1 0 0' '0 1 0'; echo '3 0 1 2'; } >wide.ply
 { packed 'A80 L<' 'solid made by a program' 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 0; } >solid.stl
 { cat solid.stl; echo more; } >more.stl
 sed '/^facet normal 0 0 0/,/^endfacet/d; s/1\.5/1/' text.stl | tr '[:lower:]' '[:upper:]' >upper.stl
+# shellcheck disable=SC2059  # formats
+{
+	printf 'newmtl a\nKd 1 0 0\nPm 1\naniso 0\nanisor 0\n' >blender.mtl
+	printf 'mtllib blender.mtl\n'"$triangle_of"'usemtl a\nf 1 2 3\n' >blender.obj
+	printf 'newmtl a\nillum 1\nKs 1 1 1\nNs 9\nnewmtl b\nKs 1 1 1\nNs 9\nillum 7\n' >matt.mtl
+	printf 'mtllib matt.mtl\n'"$triangle_of"'usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n' >matt.obj
+	printf "$triangle_of"'usemtl first\nmtllib Parts/first.mtl\nf 1 2 3\n' >late.obj
+	printf 'v 0 0 0 0 255 51\nv 1 0 0 0 255 51\nv 0 1 0 0 255 51\nv 5 0 0\nf 1 2 3\n' >eight.obj
+	printf 'v 0 0 0 0 1.5 0\nv 1 0 0 0 1.5 0\nv 0 1 0 0 1.5 0\nf 1 2 3\n' >bright.obj
+	printf "$triangle_of"'v 1 1 0\ncstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\nend\n' >free.obj
+	{ cat free.obj; echo f 1 2 3; } >surface.obj
+	printf '\377\376v\0 \0000\0' >utf16.obj
+	printf 'PK\003\004' >zip.amf
+}
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' 'property float z' 'element edge 2' \
+	'property int vertex1' 'property int vertex2' 'element face 1' 'property list uchar int vertex_index' end_header '0 0 0' '1 0 0' '0 1 0' \
+	'0 1' '1 2' '3 0 1 2' >edges.ply
+sed 's/^element edge 2/element camera 2/; s/vertex[12]$/view/' edges.ply >view.ply
+sed '/^vertex 0 1.5 0/s/.*/vertex 0 1 0\n&/; /^facet normal 0 0 0/,/^endfacet/d' text.stl >four.stl
+cat >bare.amf <<'END'
+<?xml version="1.0"?><amf unit="inch"><object id="0"><mesh><vertices><vertex><coordinates><x>0</x><y>0</y><z>0</z></coordinates></vertex>
+<vertex><coordinates><x>1</x><y>0</y><z>0</z></coordinates></vertex><vertex><coordinates><x>0</x><y>1</y><z>0</z></coordinates></vertex></vertices>
+<volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle></volume></mesh></object></amf>
+END
+printf '%s\n' 0 SECTION 2 ENTITIES 0 3DFACE 8 0 62 1 10 0 20 0 30 0 11 1 21 0 31 0 12 0 22 1 32 0 13 0 23 1 33 0 0 ENDSEC 0 EOF >turned.dxf
 # magics HEADER COLOUR: a facet
 magics() { packed 'a80 L<' "$1" 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 "$2"; }
 { packed 'A80 L<' viscam 2; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1 0 64512; packed 'f<12 S<' 0 0 1 5 0 0 6 0 0 5 1 0 0; } >viscam.stl
@@ -622,6 +654,9 @@ END
 sed 's/"asset"/"extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"], &/
 	s/"indices": 1,/&"extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}},/' sparse.gltf >draco.gltf
 sed 's/"asset"/"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"], &/' sparse.gltf >quantized.gltf
+sed 's/"asset"/"extensionsUsed": ["KHR_mesh_quantization"], &/' sparse.gltf >used.gltf
+sed 's/"pbrM.*0}/"alphaMode": "BLEND", "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0, 0, 0.5]}}/
+	s/"asset"/"extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"], &/' sparse.gltf >glossy.gltf
 sed 's/"asset"/"extensionsUsed": ["EXT_one"], "extensionsRequired": ["KHR_materials_unlit", "EXT_one"], &/' sparse.gltf >required.gltf
 sed 's/"asset"/"extensionsUsed": ["KHR_materials_unlit", "EXT_mesh_gpu_instancing"], &/' sparse.gltf >instanced.gltf
 printf '%s' "$values" | base64 -d >'my numbers.bin'
@@ -638,6 +673,20 @@ while IFS='|' read -r name wanted; do
 	run mesh2nff "$name"
 	is "$name" "$status:$err$(faces | tr '\n' ';')" "$wanted"
 done <<'END'
+blender.obj|0:mesh2nff: blender.obj: materials of metal: 1, written as if they were nonef 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+matt.obj|0:f 0.6 0.6 0.6 1 0 9 0 1;p 3 0 0 0 1 0 0 0 1 0;f 0.6 0.6 0.6 1 1 9 0 1;p 3 0 0 0 1 0 0 0 1 0;
+late.obj|0:f 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+eight.obj|0:mesh2nff: eight.obj: meshes with colours at their vertices: 1, each face has their meanf 0 1 0.19354838 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+free.obj|2:mesh2nff: free.obj: has free-form curves and surfaces but no face with an area, expected one: export them as polygons
+surface.obj|0:mesh2nff: surface.obj: free-form curves and surfaces of an OBJ, and files that it calls: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+utf16.obj|2:mesh2nff: utf16.obj: is text in UTF-16, expected UTF-8
+zip.amf|2:mesh2nff: zip.amf: is a ZIP archive that libassimp does not read, expected the file in it
+edges.ply|0:mesh2nff: edges.ply: lines: 2, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+view.ply|2:mesh2nff: view.ply: PLY with an element before its faces that is neither vertex, edge nor material, expected it behind them
+four.stl|0:mesh2nff: four.stl: corners of facets of an STL behind the third: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
+used.gltf|2:mesh2nff: used.gltf: requires 'KHR_mesh_quantization', which libassimp does not read, expected a glTF without
+glossy.gltf|0:f 1 0 0 0.5 1 1000 0.5 1;p 3 0 0 0 1 0 0 0 1 0;
+bare.amf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 quantized.gltf|2:mesh2nff: quantized.gltf: requires 'KHR_mesh_quantization', which libassimp does not read, expected a glTF without
 required.gltf|2:mesh2nff: required.gltf: requires 'EXT_one', which libassimp does not read, expected a glTF without
 instanced.gltf|0:mesh2nff: instanced.gltf: extensions of glTF that hide nodes or repeat meshes: 1, left outf 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
@@ -684,11 +733,14 @@ viscam.stl|0:mesh2nff: viscam.stl: meshes with colours at their vertices: 1, eac
 own.stl|0:mesh2nff: own.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 whole.stl|0:mesh2nff: whole.stl: meshes with colours at their vertices: 1, each face has their meanf 0 1 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 material.stl|0:mesh2nff: material.stl: meshes with colours at their vertices: 1, each face has their meanf 1 0 0 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
-lists.ply|2:mesh2nff: lists.ply: PLY with a list before its vertices, expected element vertex first
+lists.ply|2:mesh2nff: lists.ply: PLY with an element before its faces that is neither vertex, edge nor material, expected it behind them
 sparse.gltf|0:f 1 1 1 1 0 0 0 1;p 3 0 0 0 1 0 0 0 1 0;
 beyond.obj|2:mesh2nff: beyond.obj: libassimp: OBJ: vertex index out of range, expected a mesh in one of its formats
 zeroth.obj|2:mesh2nff: zeroth.obj: libassimp: OBJ: Invalid face index, expected a mesh in one of its formats
 END
+like 'colours above 1' "$(mesh2nff bright.obj 2>&1 | grep '^f \|above' | tr '\n' ';')" 'colours above 1 at their vertices: 1, written as 1;f 0 1 0 '
+is 'libassimp turns a DXF, and that is told' "$(mesh2nff turned.dxf 2>&1 | grep '^p\|up in')" 'mesh2nff: turned.dxf: z is up in the file, y in the scene
+p 3 0 0 0 1 0 0 0 0 -1'
 run mesh2nff draco.gltf
 like 'draco.gltf' "$status:$out:$err" '^2::mesh2nff: draco.gltf: libassimp: .*Draco'
 run sh -c 'mesh2nff - <ten.ply'

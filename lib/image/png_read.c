@@ -154,25 +154,34 @@ static size_t chunks_end(const unsigned char *p, size_t n)
     return 0;
 }
 
-/* The curve that a cICP states, by ITU-T H.273. False with a message if it is another. */
+/* The curve that a cICP states, by ITU-T H.273, for RGB of the full range. False with a message if
+ * it is another. */
 static bool take_code(struct reader *r, const unsigned char *p, size_t n, double *curve)
 {
     static const char why[] = "PNG with cICP of another curve, expected sRGB or linear light";
-    const int code = n == 4 ? p[1] : -1;
-    if (code != 13 && code != 8) return image_fail(r->err, why) == 0;
-    *curve = code == 13 ? CURVE_SRGB : 1.0;
+    const int code = n == 4 && p[2] == 0 && p[3] == 1 ? p[1] : -1;
+    const double is = code == 13 ? CURVE_SRGB : 1.0;
+    const bool other = r->coded && *curve != is;
+    if ((code != 13 && code != 8) || other) return image_fail(r->err, why) == 0;
+    *curve = is;
     return r->coded = true;
+}
+
+static bool states_curve(const unsigned char *p)
+{
+    return is_chunk(p, "cICP") || is_chunk(p, "sRGB") || is_chunk(p, "gAMA") || is_chunk(p, "iCCP");
 }
 
 /*
  * Finds the chunks that state what samples mean: cICP, or else sRGB, or else gAMA, which is 100000
  * times the exponent from light to sample, and tRNS. libpng leaves out those that contradict other
- * chunks, such as a damaged profile. False with a message if a gAMA is no exponent.
+ * chunks, such as a damaged profile. False with a message if a gAMA is no exponent, or one stands
+ * behind the pixels.
  */
 static bool find_statements(struct reader *r)
 {
     const unsigned char *p = r->p;
-    bool srgb = false;
+    bool srgb = false, pixels = false;
     double coded = CURVE_UNSTATED;
     r->curve = CURVE_UNSTATED;
     for (size_t at = SIGNATURE, data; at < r->n; at += AROUND + data) {
@@ -180,6 +189,10 @@ static bool find_statements(struct reader *r)
         srgb |= is_chunk(p + at, "sRGB");
         r->clear |= is_chunk(p + at, "tRNS");
         r->profile |= is_chunk(p + at, "iCCP");
+        pixels |= is_chunk(p + at, "IDAT");
+        if (pixels && states_curve(p + at))
+            return image_fail(r->err, "damaged PNG: %.4s behind its pixels, expected it before",
+                       (const char *)p + at + 4) == 0;
         if (is_chunk(p + at, "cICP") && !take_code(r, p + at + 8, data, &coded)) return false;
         if (!is_chunk(p + at, "gAMA")) continue;
         uint32_t gamma = data == 4 ? png_get_uint_32(p + at + 8) : 0;

@@ -1,7 +1,7 @@
 /*
  * axes: what a file states of its axes and its unit. The scene has y up and is in metres where they
- * are known. libassimp turns and scales Collada by the root's transform, and turns 3DS, whose z is
- * up; of FBX it only tells what the file states; glTF is as the scene.
+ * are known. libassimp turns and scales Collada by the root's transform, and turns 3DS and
+ * DXF, whose z is up; of FBX it only tells what the file states; glTF is as the scene.
  */
 #include "mesh/mesh_int.h"
 
@@ -98,7 +98,8 @@ struct mesh_frame mesh_axes(struct mesh *m)
             for (int k = 0; k < 3; k++) f.m[i][k] *= unit;
         tell(m, &f, unit, true);
         m->unit = unit;
-    } else if (m->scene->mRootNode && (collada || mesh_is_read_by(m, "Discreet 3DS"))) {
+    } else if (m->scene->mRootNode && (collada || mesh_is_read_by(m, "Discreet 3DS") ||
+                                          mesh_is_read_by(m, "Drawing Interchange"))) {
         const struct mesh_frame root = mesh_frame_of(&m->scene->mRootNode->mTransformation);
         const double unit = v3_len(mesh_row(&root, 1));
         if (!mesh_is_length(unit)) return f;

@@ -14,12 +14,29 @@ static double stepped(double c)
     return rint(c * CORNER_STEPS) / CORNER_STEPS;
 }
 
-static struct vec3 of_corners(const struct mesh_part *p, const struct aiFace *f)
+bool mesh_has_colours(const struct mesh *m, const struct aiMesh *mesh)
+{
+    bool is = mesh->mColors[0] && !m->bad_colours && !m->clear_colours;
+    for (unsigned i = 0; m->clear_colours && mesh->mColors[0] && i < mesh->mNumVertices && !is; i++)
+        is = mesh->mColors[0][i].a > 0;
+    return is;
+}
+
+/* White, if the corner has none. */
+static struct vec3 of_corner(const struct mesh *m, const struct aiColor4D *c)
+{
+    const bool is =
+        !isnan(c->r) && !isnan(c->g) && !isnan(c->b) && !(m->clear_colours && !(c->a > 0));
+    return is ? v3_scale(v3((double)c->r, (double)c->g, (double)c->b), m->colour_scale)
+              : v3(1, 1, 1);
+}
+
+static struct vec3 of_corners(
+    const struct mesh *m, const struct mesh_part *p, const struct aiFace *f)
 {
     struct vec3 sum = v3(0, 0, 0);
     for (unsigned i = 0; i < f->mNumIndices; i++) {
-        const struct aiColor4D *c = &p->mesh->mColors[0][f->mIndices[i]];
-        sum = v3_add(sum, v3((double)c->r, (double)c->g, (double)c->b));
+        sum = v3_add(sum, of_corner(m, &p->mesh->mColors[0][f->mIndices[i]]));
     }
     sum = v3_scale(sum, 1. / f->mNumIndices);
     return v3(stepped(sum.x), stepped(sum.y), stepped(sum.z));
@@ -130,8 +147,7 @@ struct mesh_colour mesh_colour_of(const struct mesh *m, const struct mesh_face *
     const bool known = m->textures && face->material < m->scene->mNumMaterials;
     const struct mesh_texture *t = known ? &m->textures[face->material] : NULL;
     struct vec3 mean;
-    if (mesh->mColors[0] && !m->bad_colours)
-        out.is = true, out.c = of_corners(face->part, face->face);
+    if (mesh_has_colours(m, mesh)) out.is = true, out.c = of_corners(m, face->part, face->face);
     if (!t || !t->picture || !t->picture->im.rgba || !mesh->mTextureCoords[t->set]) return out;
     if (!of_texture(t, face, &mean)) return out;
     const uint32_t r = step_of(mean.x), g = step_of(mean.y), b = step_of(mean.z);

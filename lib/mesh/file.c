@@ -82,19 +82,37 @@ static bool has_some(const char *line)
     return n && n[strspn(n, " 0")] != '\0';
 }
 
+/* Of the line that declares an element: libassimp does not know it, and would not find its end. */
+static bool is_unknown(const char *line)
+{
+    static const char *const known[] = {
+        "vertex ", "face ", "tristrips ", "edge ", "material ", "TextureFile "};
+    line += 7 + strspn(line + 7, " \t");
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strncmp(line, known[i], strlen(known[i])) == 0) return false;
+    return true;
+}
+
 /*
- * What libassimp cannot read: triangle strips, of which it keeps the last triangle alone, and lists
- * before the vertices. Notes colours that it passes over or reads wrong.
+ * What libassimp cannot read: elements that it does not know before the faces, triangle strips, of
+ * which it keeps the last triangle alone, and lists before the vertices. Notes colours that it
+ * passes over or reads wrong, and edges.
  */
 static const char *ply_fault(FILE *f, struct mesh *m)
 {
     char line[LINE_BYTES];
-    bool faces = false, some = false, vertices = false;
+    bool faces = false, any_faces = false, some = false, vertices = false;
     if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return NULL;
     while (next_line(f, line) && strncmp(line, "end_header", 10) != 0) {
         if (declares_strips(line)) return "element tristrips, expected element face";
         if (strncmp(line, "element", 7) == 0) {
             faces = strncmp(line, "element face", 12) == 0, some = has_some(line);
+            if (some && !any_faces && is_unknown(line))
+                return "an element before its faces that is neither vertex, edge nor material, "
+                       "expected it behind them";
+            any_faces |= faces;
+            if (strncmp(line, "element edge ", 13) == 0)
+                parse_int(line + 13, 0, UINT32_MAX, &m->lost_edges);
             vertices |= strncmp(line, "element vertex", 14) == 0;
         }
         if (some && !vertices && strncmp(line, "property list", 13) == 0)
@@ -106,6 +124,32 @@ static const char *ply_fault(FILE *f, struct mesh *m)
         m->bad_colours |= !faces && is_bad_colour(line, name);
     }
     return NULL;
+}
+
+/* Counts the lines of an OBJ that stand for surfaces, which libassimp passes over. */
+static void count_surfaces(struct mesh *m, FILE *f)
+{
+    static const char *const words[] = {"curv ", "surf ", "call "};
+    char *line = NULL;
+    size_t room = 0;
+    const char *suffix = strrchr(m->path, '.');
+    if (!suffix || strcasecmp(suffix, ".obj") == 0)
+        while (getline(&line, &room, f) > 0)
+            for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+                m->lost_surfaces += strncmp(line, words[i], 5) == 0;
+    free(line);
+}
+
+/* UTF-16 and archives, which only some readers of libassimp take. */
+static void find_wrapping(struct mesh *m, FILE *f)
+{
+    unsigned char b[4] = {0};
+    const size_t n = fread(b, 1, sizeof b, f);
+    const bool wide =
+        (b[0] == 0xff && b[1] == 0xfe && !b[3]) || (b[0] == 0xfe && b[1] == 0xff && !b[2]);
+    if (n == sizeof b && wide) m->wrapping = "text in UTF-16, expected UTF-8";
+    if (n == sizeof b && memcmp(b, "PK\3\4", 4) == 0)
+        m->wrapping = "a ZIP archive that libassimp does not read, expected the file in it";
 }
 
 /* Counts the cameras of an X3D, which libassimp passes over. */
@@ -133,6 +177,10 @@ static bool is_readable(struct mesh *m, FILE *f, char err[ERR_BYTES])
     m->lost_colours |= mesh_off_paints(f);
     rewind(f);
     count_viewpoints(m, f);
+    rewind(f);
+    count_surfaces(m, f);
+    rewind(f);
+    find_wrapping(m, f);
     fclose(f);
     if (*extension)
         return err_set(
@@ -221,6 +269,10 @@ static bool measure(struct mesh *m, char err[ERR_BYTES])
     uint64_t points = m->loss[LOSS_POINTS].n, lines = m->loss[LOSS_LINES].n;
     for (unsigned i = 0; i < m->scene->mNumMeshes; i++)
         if (!m->scene->mMeshes[i]->mNumFaces) points += m->scene->mMeshes[i]->mNumVertices;
+    if (!e.faces && m->wrapping) return err_set(err, "is %s", m->wrapping);
+    if (!e.faces && m->lost_surfaces)
+        return err_set(err, "has free-form curves and surfaces but no face with an area, expected "
+                            "one: export them as polygons");
     if (!e.faces && points + lines)
         return err_set(err,
             "has %llu points and %llu lines but no face with an area, expected one: "
@@ -242,6 +294,7 @@ static void note(const char *said, char *user)
     if (strstr(said, "Unable to locate material file")) m->lost_libraries++;
     if (strstr(said, "OBJ: failed to locate material")) m->lost_materials++;
     if (strstr(said, "index is out of range")) m->lost_vertex = true;
+    if (strstr(said, "with more than 3 vertices")) m->lost_corners++;
     if (strstr(said, "in the header is incorrect")) m->lost_end = true; /* OFF */
     if (strstr(said, "unexpected EOF")) m->lost_end = true;             /* STL in text */
 }
@@ -252,6 +305,7 @@ static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
     aiAttachLogStream(&log);
     bool ok = import(path, m, err);
     aiDetachLogStream(&log);
+    if (!ok && m->wrapping) return err_set(err, "is %s", m->wrapping);
     if (ok && m->lost_end) return err_set(err, "ends too early, expected a whole file");
     if (ok && m->lost_vertex)
         return err_set(err, "a face has a corner that is not there, expected all corners");

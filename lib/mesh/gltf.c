@@ -8,8 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEPTH 8 /* objects and lists within each other, of what is looked for */
-#define NAME 32 /* longer names are none of those that are looked for */
+#define DEPTH 8         /* objects and lists within each other, of what is looked for */
+#define GLTF_FLOAT 5126 /* the type of a component */
+#define NAME 32         /* longer names are none of those that are looked for */
 
 struct level {
     char name[NAME]; /* "": an element of a list */
@@ -25,6 +26,9 @@ struct walk {
     struct level at[DEPTH];
     char text[ERR_WORD], key[NAME]; /* the last string; the name of the next value */
     char *unread;
+    uint32_t value;        /* of a number that is looked for, so far */
+    uint32_t *types, *uvs; /* of accessors; accessors that are coordinates of textures */
+    size_t n_types, n_uvs;
 };
 
 /* Stands at the JSON, and returns its length; 0: this is no glTF. */
@@ -72,7 +76,9 @@ static void take_string(struct walk *w)
     w->text[n] = '\0';
     const char *list = w->depth == 2 ? w->at[1].name : "";
     if (strcmp(list, "extensionsUsed") == 0) w->m->lost_extensions += is_lost(w->text);
-    if (strcmp(list, "extensionsRequired") == 0 && !is_read(w->text))
+    const bool quantized = strcmp(w->text, "KHR_mesh_quantization") == 0;
+    if ((quantized && strcmp(list, "extensionsUsed") == 0) ||
+        (strcmp(list, "extensionsRequired") == 0 && !is_read(w->text)))
         err_word(w->unread, w->text, strlen(w->text));
 }
 
@@ -103,8 +109,30 @@ static void leave(struct walk *w)
     if (w->depth) w->depth--;
 }
 
+static bool is_type(const struct walk *w)
+{
+    return w->depth == 3 && strcmp(w->key, "componentType") == 0 &&
+           strcmp(w->at[1].name, "accessors") == 0;
+}
+static bool is_uv(const struct walk *w) { return strncmp(w->key, "TEXCOORD_", 9) == 0; }
+
+/* Stands behind a value. */
+static void end_value(struct walk *w)
+{
+    if (is_type(w)) {
+        w->types = xgrown(w->types, w->n_types, sizeof *w->types);
+        w->types[w->n_types++] = w->value;
+    } else if (is_uv(w)) {
+        w->uvs = xgrown(w->uvs, w->n_uvs, sizeof *w->uvs);
+        w->uvs[w->n_uvs++] = w->value;
+    }
+    *w->key = '\0';
+    w->value = 0;
+}
+
 static void take_digit(struct walk *w, uint32_t digit)
 {
+    if (w->value < 100000000 && (is_type(w) || is_uv(w))) w->value = w->value * 10 + digit;
     if (strcmp(w->key, "texCoord") != 0 || !w->depth || w->depth > DEPTH) return;
     uint32_t *set = &w->at[w->depth - 1].set;
     *set = *set < 1000 ? *set * 10 + digit : digit;
@@ -121,10 +149,13 @@ static void step(struct walk *w, int c)
     case '{':
     case '[': enter(w); break;
     case '}':
-    case ']': leave(w); break;
+    case ']':
+        end_value(w);
+        leave(w);
+        break;
     case ',':
+        end_value(w);
         if (w->depth && w->depth <= DEPTH) w->at[w->depth - 1].n++;
-        *w->key = '\0';
         break;
     default:
         if (c >= '0' && c <= '9') take_digit(w, (uint32_t)(c - '0'));
@@ -136,6 +167,10 @@ void mesh_gltf_read(struct mesh *m, FILE *f, char unread[ERR_WORD])
     struct walk w = {.f = f, .left = find_json(f), .m = m, .unread = unread};
     *unread = '\0';
     for (int c; (c = next(&w)) != EOF;) step(&w, c);
+    for (size_t i = 0; i < w.n_uvs; i++)
+        m->bad_coordinates |= w.uvs[i] < w.n_types && w.types[w.uvs[i]] != GLTF_FLOAT;
+    free(w.types);
+    free(w.uvs);
 }
 
 /* Gives the nodes' skins a name that libassimp does not know. */

@@ -1,8 +1,8 @@
 /* mark: files through libassimp without what it does not read: the byte order mark that some
  * programs write first; in an OBJ numbers such as .5, whose corner it leaves out, blanks before
  * a word, comments behind numbers, blanks behind the name of a material library, quotes around
- * it, or a second name, vertices with an alpha, or with a colour behind others without; in an MTL
- * words in another case, and -halo; comments in an OFF; capitals in an STL in text;
+ * it, a second name, or a use before it, vertices with an alpha, or with a colour behind others
+ * without; lines of an MTL (mtl.c); comments in an OFF; capitals in an STL in text;
  * a byte 10 that the numbers of a PLY begin with, which it takes for a second end of the line. */
 #include "mesh/mesh_int.h"
 
@@ -41,6 +41,7 @@ static bool is_bare(const char *line, size_t i)
 struct lines {
     bool begun, off, ply, stl; /* there was a word; the first one is that of an OFF, PLY or STL */
     bool plain, coloured;      /* OBJ: there are vertices without a colour, and with one */
+    bool uses, late;           /* OBJ: there is a usemtl, and before a mtllib */
 };
 
 static size_t words_of(const char *line, size_t n)
@@ -64,6 +65,8 @@ static void note_line(struct lines *l, const char *line, size_t n)
         l->ply = strncasecmp(word, "ply", 3) == 0;
         l->stl = strncasecmp(word, "solid", 5) == 0;
     }
+    l->late |= l->uses && strncmp(word, "mtllib", 6) == 0;
+    l->uses |= strncmp(word, "usemtl", 6) == 0;
     if (*word != 'v' || !strchr(" \t", word[1])) return;
     const size_t words = words_of(line, n);
     l->plain |= words == 4;
@@ -74,26 +77,11 @@ static void note_line(struct lines *l, const char *line, size_t n)
  * numbers, or blanks behind the name of a material library. The line's end follows them. */
 struct span {
     size_t from, to, end;
-    const char *lead; /* stands before them, in the place of others; NULL: nothing */
-    bool lower;       /* an STL in capitals */
-    bool mtllib;      /* the line names files of materials */
-    bool white;       /* the vertex needs a colour, because others have one */
+    char lead[MESH_LEAD]; /* stands before them, in the place of others; "": nothing */
+    bool lower;           /* an STL in capitals */
+    bool mtllib;          /* the line names files of materials */
+    bool white;           /* the vertex needs a colour, because others have one */
 };
-
-/* A word of an MTL in another case, or the -halo of its opacity. */
-static void take_mtl(struct span *s, const char *line, size_t lead, size_t n)
-{
-    static const char *const words[] = {"Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr", "Tf",
-        "illum", "newmtl", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d"};
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        if (n != strlen(words[i]) || strncasecmp(line + lead, words[i], n) != 0) continue;
-        const size_t next = lead + n + strspn(line + lead + n, " \t");
-        const bool halo = strcmp(words[i], "d") == 0 && strncmp(line + next, "-halo", 5) == 0;
-        if (!halo && memcmp(line + lead, words[i], n) == 0) return;
-        s->lead = words[i];
-        s->from = halo ? next + 5 : lead + n;
-    }
-}
 
 /* The end of the seventh word of a line; n: it has no more than seven. */
 static size_t behind_seven(const char *line, size_t n)
@@ -128,7 +116,8 @@ static struct span span_of(const char *line, size_t n, const struct lines *l)
         s.white = i == 0 && l->plain && l->coloured && words_of(line, n) == 4;
         if (i == 0 && words_of(line, n) == 8) s.to = behind_seven(line, s.to); /* its alpha */
     }
-    take_mtl(&s, line, lead, word);
+    const size_t from = mesh_mtl_line(line, lead, word, s.lead);
+    if (from) s.from = from;
     s.lower = l->stl && word && line[lead] >= 'A' && line[lead] <= 'Z';
     const char *comment = l->off ? memchr(line, '#', s.end) : NULL;
     if (comment) s.to = (size_t)(comment - line);
@@ -185,7 +174,7 @@ static bool has_odd(FILE *f)
             found = getc(f) == '\n';
             break;
         }
-        found = (l.plain && l.coloured) || is_odd(line, (size_t)n, &l);
+        found = (l.plain && l.coloured) || l.late || is_odd(line, (size_t)n, &l);
     }
     free(line);
     return found;
@@ -202,7 +191,21 @@ static void copy_numbers(FILE *from, FILE *to)
 
 static int lower(char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; }
 
-/* Copies a file with such lines mended. */
+/* Writes a line without what libassimp reads wrong. */
+static void write_line(const char *line, size_t n, const struct lines *l, FILE *to)
+{
+    const struct span s = span_of(line, n, l);
+    fputs(s.lead, to);
+    for (size_t i = s.from; i < s.to; i++) {
+        const char *more = before(line, i, &s);
+        if (more) fputs(more, to);
+        if (!is_quote(line, i, &s)) putc(s.lower ? lower(line[i]) : line[i], to);
+    }
+    if (s.white) fputs(" nan nan nan", to);
+    fwrite(line + s.end, 1, n - s.end, to);
+}
+
+/* Copies a file with such lines mended. Libraries that an OBJ names behind a use come first. */
 static void copy_mended(FILE *from, FILE *to)
 {
     char *line = NULL;
@@ -211,20 +214,15 @@ static void copy_mended(FILE *from, FILE *to)
     struct lines l = {.begun = false};
     while ((n = getline(&line, &room, from)) > 0 && !l.ply) note_line(&l, line, (size_t)n);
     rewind(from);
+    while (l.late && (n = getline(&line, &room, from)) > 0)
+        if (span_of(line, (size_t)n, &l).mtllib) write_line(line, (size_t)n, &l, to);
+    rewind(from);
     while ((n = getline(&line, &room, from)) > 0) {
         if (ends_header(&l, line)) {
             copy_numbers(from, to);
             break;
         }
-        const struct span s = span_of(line, (size_t)n, &l);
-        if (s.lead) fputs(s.lead, to);
-        for (size_t i = s.from; i < s.to; i++) {
-            const char *more = before(line, i, &s);
-            if (more) fputs(more, to);
-            if (!is_quote(line, i, &s)) putc(s.lower ? lower(line[i]) : line[i], to);
-        }
-        if (s.white) fputs(" 1 1 1", to);
-        fwrite(line + s.end, 1, (size_t)n - s.end, to);
+        write_line(line, (size_t)n, &l, to);
     }
     free(line);
 }

@@ -55,6 +55,29 @@ static bool is_made_up(const struct aiMaterial *m, struct vec3 diffuse, bool bar
            (float)diffuse.x == .6f && (float)diffuse.y == .6f && (float)diffuse.z == .6f;
 }
 
+/* KHR_materials_pbrSpecularGlossiness: there is no metal, and the opacity is that of the colour. */
+static bool is_glossy(const struct aiMaterial *m)
+{
+    return real(m, "$mat.glossinessFactor", -1) >= 0;
+}
+static double opacity_of(const struct aiMaterial *m)
+{
+    struct aiColor4D c;
+    const bool is =
+        is_glossy(m) && aiGetMaterialColor(m, "$clr.diffuse", 0, 0, &c) == aiReturn_SUCCESS;
+    return is ? (double)c.a : real(m, "$mat.opacity", 1);
+}
+
+/* illum 0 or 1 of an MTL, see mtl.c */
+static bool is_matt(const struct mesh *m, const struct aiMaterial *from)
+{
+    int model = 0;
+    unsigned n = 1;
+    return mesh_is_read_by(m, "Wavefront") &&
+           aiGetMaterialIntegerArray(from, "$mat.shadingm", 0, 0, &model, &n) == aiReturn_SUCCESS &&
+           model == aiShadingMode_NoShading;
+}
+
 static struct material translate(const struct aiMaterial *m, bool bare)
 {
     struct material out;
@@ -62,7 +85,7 @@ static struct material translate(const struct aiMaterial *m, bool bare)
     colour(m, "$clr.diffuse", &c);
     if (is_made_up(m, c, bare)) c = v3(1, 1, 1);
     out.r = c.x, out.g = c.y, out.b = c.z;
-    double opacity = has_alpha(m, "BLEND", true) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
+    double opacity = has_alpha(m, "BLEND", true) ? within(opacity_of(m), 0, 1) : 1;
     double through = within(real(m, "$mat.transmission.factor", 0), 0, 1);
     out.kd = opacity * (1 - through);
     out.t = 1 - out.kd;
@@ -117,6 +140,7 @@ void mesh_materials_find(struct mesh *m)
         const struct aiMaterial *from = s->mMaterials[i];
         struct vec3 glow;
         m->materials[i] = translate(from, off);
+        if (is_matt(m, from)) m->materials[i].ks = 0;
         if (x3d) m->materials[i].shine = fmin(m->materials[i].shine * 128, SHINE_MAX);
         if (!used[i]) continue;
         m->loss[LOSS_TEXTURES].n += has_texture(from);
@@ -124,7 +148,7 @@ void mesh_materials_find(struct mesh *m)
             colour(from, "$clr.emissive", &glow) && glow.x + glow.y + glow.z > 0;
         m->loss[LOSS_HOLES].n += has_alpha(from, "MASK", false);
         m->loss[LOSS_GLASS].n += absorbs(from);
-        m->loss[LOSS_METAL].n += real(from, "$mat.metallicFactor", 0) > 0;
+        m->loss[LOSS_METAL].n += !is_glossy(from) && real(from, "$mat.metallicFactor", 0) > 0;
     }
     free(used);
 }

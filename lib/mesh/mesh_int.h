@@ -26,6 +26,7 @@ enum mesh_loss_kind {
     LOSS_HOLES,
     LOSS_GLASS,
     LOSS_COLOURS,
+    LOSS_BRIGHT,
     LOSS_ALPHA,
     LOSS_UNREAD_COLOURS,
     LOSS_EXTENSIONS,
@@ -34,8 +35,10 @@ enum mesh_loss_kind {
     LOSS_MORPHS,
     LOSS_ANIMATIONS,
     LOSS_BYTES,
+    LOSS_CORNERS,
     LOSS_POINTS,
     LOSS_LINES,
+    LOSS_SURFACES,
     LOSS_CAMERAS,
     LOSS_BAD_CAMERAS,
     LOSS_PLACES,
@@ -162,6 +165,7 @@ struct mesh {
     unsigned lost_materials; /* materials that are in no such file */
     bool lost_vertex;        /* a face names a vertex that is not there */
     bool lost_end;           /* the file ends too early */
+    unsigned lost_corners;   /* of facets of an STL, behind the third */
     /* What only the file says: */
     enum mesh_stl stl;
     uint64_t lost_bytes; /* of an STL, behind its facets */
@@ -170,6 +174,12 @@ struct mesh {
     size_t n_sets;
     bool lost_colours;        /* of a PLY or OFF: it has some that are not read */
     bool bad_colours;         /* of a PLY: libassimp reads them wrong */
+    bool clear_colours;       /* of an AMF: libassimp sets those that are not there to 0 */
+    double colour_scale;      /* of corners' colours: 1, or 1/255 of an OBJ or PLY with bytes */
+    bool bad_coordinates;     /* of textures of a glTF: integers, which libassimp reads wrong */
+    unsigned lost_surfaces;   /* of an OBJ: free-form ones, and files that it calls */
+    int64_t lost_edges;       /* of a PLY */
+    const char *wrapping;     /* the kind of bytes that few readers take; NULL: none */
     unsigned lost_scenes;     /* of glTF, besides the one that is shown */
     unsigned viewpoints;      /* words of an X3D */
     unsigned lost_extensions; /* of glTF, without which places are others */
@@ -210,6 +220,12 @@ void mesh_stl_copy(FILE *from, FILE *to);
  * read, or "". Copies a glTF without its skins. */
 void mesh_gltf_read(struct mesh *m, FILE *f, char unread[ERR_WORD]);
 void mesh_gltf_copy(FILE *from, FILE *to);
+#define MESH_LEAD 160 /* bytes of what stands in the place of others */
+/* Of a line of an MTL, whose word of n bytes begins at `at`, that libassimp takes wrong: fills lead
+ * with what stands in the place of the first bytes, and returns their number; 0: of no other. */
+size_t mesh_mtl_line(const char *line, size_t at, size_t n, char lead[MESH_LEAD]);
+/* Takes scale and move of a picture out of its name. False: there are none. */
+bool mesh_mtl_frame(char *name, double by[4]);
 /* A copy of *n bytes with parts mended that libassimp reads wrong, which the caller frees; NULL:
  * there are none. mark.c says which. */
 char *mesh_bytes_mended(const struct mesh *m, const unsigned char *data, size_t *n);
@@ -228,6 +244,7 @@ struct mesh_colour {
 };
 #define MESH_TEXTURE_STEPS 52 /* of a component */
 #define MESH_TEXTURE_COLOURS (MESH_TEXTURE_STEPS * MESH_TEXTURE_STEPS * MESH_TEXTURE_STEPS)
+bool mesh_has_colours(const struct mesh *m, const struct aiMesh *mesh);
 struct mesh_colour mesh_colour_of(const struct mesh *m, const struct mesh_face *face);
 void mesh_textures_free(struct mesh *m);
 

@@ -115,10 +115,13 @@ static void take(struct mesh *m, unsigned i, struct mesh_texture *t)
         return;
     for (size_t k = 0; k < m->n_sets; k++)
         if (m->sets[k].material == i) t->set = m->sets[k].set;
-    if (mapping != aiTextureMapping_UV || !take_transform(from, type, t) ||
+    double by[4];
+    const bool framed = mesh_is_read_by(m, "Wavefront") && mesh_mtl_frame(name.data, by);
+    if (m->bad_coordinates || mapping != aiTextureMapping_UV || !take_transform(from, type, t) ||
         t->set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
         m->loss[LOSS_MAPPINGS].n++;
     else t->picture = picture_of(m, name.data);
+    for (int k = 0; framed && k < 2; k++) t->scale[k] = by[k], t->move[k] = by[k + 2];
 }
 
 /* True if it has a texture that is not the base colour's first one. */

@@ -263,10 +263,10 @@ static void test_damaged_png(void **state)
     }
 }
 
-/* Puts a chunk of at most 5 bytes behind IHDR. */
-static void insert(struct bytes *b, const char *name, const char *data, unsigned n)
+#define BEHIND_IHDR 33U
+/* Puts a chunk of at most 5 bytes at a place. */
+static void insert_at(struct bytes *b, size_t place, const char *name, const char *data, unsigned n)
 {
-    const size_t place = 33;
     unsigned char chunk[17] = {0, 0, 0, (unsigned char)n};
     memcpy(chunk + 4, name, 4);
     memcpy(chunk + 8, data, n);
@@ -276,6 +276,11 @@ static void insert(struct bytes *b, const char *name, const char *data, unsigned
     memmove(b->p + place + 12 + n, b->p + place, b->n - place);
     memcpy(b->p + place, chunk, 12 + n);
     b->n += 12 + n;
+}
+
+static void insert(struct bytes *b, const char *name, const char *data, unsigned n)
+{
+    insert_at(b, BEHIND_IHDR, name, data, n);
 }
 
 /* A cICP goes before other chunks. */
@@ -322,7 +327,8 @@ static void test_statements_that_libpng_leaves_out(void **state)
         const char *why;
     } bad[] = {{"gAMA", "\0\0\0\0", 4, "gAMA"}, {"gAMA", "\x80\0\0\0", 4, "gAMA"},
         {"gAMA", "\0\x01\x86", 3, "gAMA"}, {"tRNS", "\1\2\3\4\5", 5, "tRNS"},
-        {"cICP", "\11\20\0\1", 4, "cICP"}, {"iCCP", "x\0\0\0\0", 5, "profile"}};
+        {"cICP", "\11\20\0\1", 4, "cICP"}, {"cICP", "\1\15\0\0", 4, "cICP"},
+        {"cICP", "\1\15\1\1", 4, "cICP"}, {"iCCP", "x\0\0\0\0", 5, "profile"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const char first = bad[i].name[0];
         struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, first == 'i' ? 16 : 8, 0,
@@ -331,6 +337,24 @@ static void test_statements_that_libpng_leaves_out(void **state)
         refuse(b.p, b.n, bad[i].why);
         free(b.p);
     }
+}
+
+/* Chunks that state the curve stand before the pixels, and a cICP does not contradict another. */
+static void test_statements_out_of_place(void **state)
+{
+    (void)state;
+    static const char *const late[] = {"gAMA", "sRGB", "cICP", "iCCP"};
+    for (size_t i = 0; i < sizeof late / sizeof *late; i++) {
+        struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false, 0});
+        insert_at(&b, b.n - 12, late[i], "\0\1\x86\xa0", 4);
+        refuse(b.p, b.n, "behind its pixels");
+        free(b.p);
+    }
+    struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false, 0});
+    insert(&b, "cICP", "\1\15\0\1", 4);
+    insert(&b, "cICP", "\1\10\0\1", 4);
+    refuse(b.p, b.n, "cICP");
+    free(b.p);
 }
 
 /* What libpng leaves out without a loss: a tRNS where pixels have alpha, and a gAMA said twice. */
@@ -488,6 +512,7 @@ int main(void)
         cmocka_unit_test(test_damaged_png),
         cmocka_unit_test(test_curve_by_code),
         cmocka_unit_test(test_statements_that_libpng_leaves_out),
+        cmocka_unit_test(test_statements_out_of_place),
         cmocka_unit_test(test_statements_without_a_meaning),
         cmocka_unit_test(test_unstated_curves),
         cmocka_unit_test(test_png_bomb),
