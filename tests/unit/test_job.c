@@ -121,8 +121,8 @@ static void test_binary_stl(void **state)
 
 static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", other[] = "t.nff",
             a[] = "a.vtk", b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc",
-            pov[] = "p=1.POV", blend[] = "b=1.Blend", plus[] = "+kff.pov",
-            own[] = "/tmp/p=1.pov", fifo[] = "fifo";
+            pov[] = "p=1.POV", blend[] = "b=1.Blend", plus[] = "+kff.pov", own[] = "/tmp/p=1.pov",
+            fifo[] = "fifo";
 
 static void save(const char *path, const char *text)
 {
