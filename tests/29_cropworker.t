@@ -267,7 +267,7 @@ partition -u tile:16x16 32x24 >tiles.task
 deal -q 0 fan -1 -j 2 cropworker -w sh once '{w}' '{h}' '{x},{y}' <tiles.task 2>said | gather -o got.png
 is 'commands that fail once: tried again' "$(grep -c 'not yet' said):$(imgcmp got.png got.png | grep size)" '4:size	32x24'
 run deal -e fan -1 -j 2 cropworker sh -c 'echo no >&2; exit 1' <tiles.task
-is 'commands that always fail: all is given up' "$status:$(printf '%s\n' "$err" | grep -c '^deal: frame 0: given up')" 1:1
+is 'commands that always fail: all is given up' "$status:$(printf '%s\n' "$err" | grep -cE '^deal: frame 0: given up, because .*, as over [0-9x]+[+][0-9+]+: ')" 1:1
 like 'and with the reason' "$err" 'rectangle 0,0 16x16: sh: exit status 1'
 
 # ---- ends ------------------------------------------------------------------------------------------------------

@@ -71,15 +71,20 @@ void drive_abandon(struct driver *d, const struct sched_action *a)
     if (!why) why = find(l, t->frame, a->origin_id);
     const char *text = why ? why->text : latest(l);
     bool said = l->all && l->frame == t->frame;
-    if (a->all && !said)
-        warn("frame %" PRIu32 ": given up, because %s: %s", t->frame,
-            a->refused ? "it fits the memory of no slot that is up"
-                       : "slots were lost or failed over all tasks of it that were tried",
-            text);
-    else if (!a->all)
-        warn("frame %" PRIu32 ": %" PRIu32 "x%" PRIu32 "+%" PRIu32 "+%" PRIu32
-             ": given up, because each slot that computed it was lost or failed: %s",
-            t->frame, t->at.w, t->at.h, t->at.x, t->at.y, text);
+    char at[64];
+    snprintf(at, sizeof at, "%" PRIu32 "x%" PRIu32 "+%" PRIu32 "+%" PRIu32, t->at.w, t->at.h,
+        t->at.x, t->at.y);
+    if (!a->all)
+        warn("frame %" PRIu32 ": %s: given up, because each slot that computed it was lost or "
+             "failed: %s",
+            t->frame, at, text);
+    else if (!said && a->refused)
+        warn("frame %" PRIu32 ": given up, because it fits the memory of no slot that is up: %s",
+            t->frame, text);
+    else if (!said)
+        warn("frame %" PRIu32 ": given up, because slots were lost or failed over all tasks of it "
+             "that were tried, as over %s: %s",
+            t->frame, at, text);
     l->some = true;
     l->all = a->all;
     l->frame = t->frame;
