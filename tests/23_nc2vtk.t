@@ -308,6 +308,8 @@ if there /usr/include/udunits2.h; then
 	run nc2vtk -u degC bare.nc s
 	is '-u: values without a unit are refused' "$status:$out:$err" '2::nc2vtk: bare.nc: s: has no unit, expected one to convert from'
 	like '-u: the title has the unit' "$(sed -n 2p a.vtk)" '^s \[degC\]; '
+	sed 's/"K"/"kg m-2 s-1"/' warm.cdl | ncgen -o rain.nc && run nc2vtk -u mm/day rain.nc s
+	like '-u: rain as a depth: a unit of the same numbers' "$status:$err" "2:.* does not convert to 'mm/day'; .* and kg m-2 day-1 those of mm/day$"
 	run nc2vtk -u m warm.nc s
 	is '-u: another quantity is refused' "$status:$out:$err" "2::nc2vtk: warm.nc: s: 'K' does not convert to 'm'"
 	nc2vtk -z warm.nc s >a.vtk

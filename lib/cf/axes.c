@@ -286,8 +286,9 @@ bool cf_tell_axes_apart(struct cf_file *c, struct cf_field *f, char err[ERR_BYTE
     if (of[CF_X] && of[CF_Y] && !of[CF_Z]) of[CF_Z] = make_level(f);
     for (int k = CF_X; k <= CF_Z; k++)
         if (!of[k])
-            return err_set(
-                err, "no %c among its %d dimensions, expected x, y and z", "xyz"[k], f -> n_axes);
+            return err_set(err,
+                "no %c among its %d dimensions, expected x and y, as of a map, or x, y and z",
+                "xyz"[k], f -> n_axes);
     return true;
 }
 

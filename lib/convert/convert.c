@@ -53,13 +53,28 @@ struct run {
     char *replaced;       /* a file that held another grid */
 };
 
+/* Rain is often in kg m-2 or kg m-2 s-1, and people ask for millimetres. */
+static const char *advice(const char *from, const char *to)
+{
+    struct units_linear l;
+    char err[ERR_BYTES];
+    const bool amount = units_linear(from, "kg m-2", &l, err) && units_linear(to, "mm", &l, err);
+    const bool rate =
+        units_linear(from, "kg m-2 s-1", &l, err) && units_linear(to, "mm s-1", &l, err);
+    return amount || rate
+               ? "; 1 kg m-2 of water is 1 mm deep, so kg m-2 has the numbers of mm, and kg m-2 "
+                 "day-1 those of mm/day"
+               : "";
+}
+
 static struct units_linear conversion(const struct run *r, const char *from, const char *to)
 {
     struct units_linear l = {1, 0};
     char err[ERR_BYTES];
     if (!*from)
         die(ST_USAGE, "%s: %s: has no unit, expected one to convert from", r->o->file, r->c->what);
-    if (!units_linear(from, to, &l, err)) die(ST_USAGE, "%s: %s: %s", r->o->file, r->c->what, err);
+    if (!units_linear(from, to, &l, err))
+        die(ST_USAGE, "%s: %s: %s%s", r->o->file, r->c->what, err, advice(from, to));
     return l;
 }
 
