@@ -139,13 +139,13 @@ static bool is_in_pascals(struct cf_file *c, int group, int id, const struct nam
     return n->ps[0] && units[0] && cf_in_pascals(units) > 0;
 }
 
-/* Reads one number, in metres. */
-static bool read_metres(
-    struct cf_file *c, int group, const char *name, double *out, char err[ERR_BYTES])
+/* Reads one number: cf_to_metres or cf_to_pascals converts it. */
+static bool read_in(struct cf_file *c, int group, const char *name,
+    bool (*convert)(struct cf_file *, int, int, double *, char *), double *out, char err[ERR_BYTES])
 {
     int id;
     return cf_number(c, group, name, out, err) && cf_find_above(&group, name, &id) &&
-           cf_to_metres(c, group, id, out, err);
+           convert(c, group, id, out, err);
 }
 
 /* Brings coefficients to a[k] + b[k] * surface pressure or height. */
@@ -155,7 +155,7 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     double p0 = P0, ptop = 0;
     int id, in = z->in;
     if (n->ztop[0] && n->orog[0]) { /* SLEVE: a is a part of ztop */
-        if (!read_metres(c, z->in, n->ztop, &p0, err)) return false;
+        if (!read_in(c, z->in, n->ztop, cf_to_metres, &p0, err)) return false;
         h->b2 = xcalloc(z->n, sizeof *h->b2);
         if (!cf_level_numbers(c, z, n->b2, h->b2, err)) return false;
     } else if (n->orog[0]) { /* a height is a + b times that of the ground */
@@ -163,14 +163,9 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
         if (n->a[0] && cf_find_above(&in, n->a, &id) && !cf_to_metres(c, in, id, &p0, err))
             return false;
     } else if (n->p0[0] && cf_find_above(&in, n->p0, &id)) {
-        if (!cf_number(c, z->in, n->p0, &p0, err)) return false;
-        if (!cf_to_pascals(c, in, id, &p0, err)) return false;
+        if (!read_in(c, z->in, n->p0, cf_to_pascals, &p0, err)) return false;
     }
-    if (n->ptop[0]) {
-        if (!cf_number(c, z->in, n->ptop, &ptop, err)) return false;
-        in = z->in;
-        if (cf_find_above(&in, n->ptop, &id) && !cf_to_pascals(c, in, id, &ptop, err)) return false;
-    }
+    if (n->ptop[0] && !read_in(c, z->in, n->ptop, cf_to_pascals, &ptop, err)) return false;
     h->a = xcalloc(z->n, sizeof *h->a);
     if (n->lev[0] && !n->b[0]) {
         if (!cf_level_numbers(c, z, n->lev, h->a, err)) return false;

@@ -147,7 +147,7 @@ struct mesh_colour mesh_colour_of(const struct mesh *m, const struct mesh_face *
     const bool known = m->textures && face->material < m->scene->mNumMaterials;
     const struct mesh_texture *t = known ? &m->textures[face->material] : NULL;
     struct vec3 mean;
-    if (mesh_has_colours(m, mesh)) out.is = true, out.c = of_corners(m, face->part, face->face);
+    if (face->part->coloured) out.is = true, out.c = of_corners(m, face->part, face->face);
     if (!t || !t->picture || !t->picture->im.rgba || !mesh->mTextureCoords[t->set]) return out;
     if (!of_texture(t, face, &mean)) return out;
     const uint32_t r = step_of(mean.x), g = step_of(mean.y), b = step_of(mean.z);

@@ -105,6 +105,7 @@ struct mesh_part {
     struct mesh_frame frame;
     struct vec3 turn[3]; /* rows of the inverse transpose times |determinant|: turns normals */
     bool mirrors;        /* the determinant is negative: corners would run the other way round */
+    bool coloured;       /* by mesh_has_colours */
 };
 
 /* Where a light or camera is: at the node with its name. */

@@ -67,7 +67,7 @@ static void add_part(struct mesh *m, const struct aiMesh *mesh, struct mesh_fram
     double sign = mirrors ? -1 : 1; /* cofactors are the inverse transpose times the determinant */
     m->parts[m->n_parts++] = (struct mesh_part){mesh, f,
         {v3_scale(yz, sign), v3_scale(v3_cross(z, x), sign), v3_scale(v3_cross(x, y), sign)},
-        mirrors};
+        mirrors, mesh_has_colours(m, mesh)};
 }
 
 static bool visit(struct mesh *m, uint64_t *faces, const struct entry *e)

@@ -14,6 +14,17 @@ static const char *spelling(const char *unit)
     return unit;
 }
 
+/* The units of the library, read once: that takes 5 ms. NULL with a message in err if there are
+ * none. */
+static ut_system *units_of_library(char err[ERR_BYTES])
+{
+    static ut_system *all;
+    ut_set_error_message_handler(ut_ignore);
+    if (!all) all = ut_read_xml(NULL);
+    if (!all) err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
+    return all;
+}
+
 static bool find(
     ut_system *all, const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES])
 {
@@ -37,13 +48,8 @@ static bool find(
 
 bool units_linear(const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES])
 {
-    ut_set_error_message_handler(ut_ignore);
-    ut_system *all = ut_read_xml(NULL);
-    if (!all)
-        return err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
-    bool good = find(all, from, to, l, err);
-    ut_free_system(all);
-    return good;
+    ut_system *all = units_of_library(err);
+    return all && find(all, from, to, l, err);
 }
 
 /* ---- products -------------------------------------------------------------------------------- */
@@ -75,30 +81,24 @@ static bool put(ut_unit *u, char *out, size_t room)
 bool units_product(
     const char *a, const char *b, int sign, char *out, size_t room, char err[ERR_BYTES])
 {
-    ut_set_error_message_handler(ut_ignore);
-    ut_system *all = ut_read_xml(NULL);
+    ut_system *all = units_of_library(err);
     ut_unit *u = all ? factor_of(all, a, err) : NULL, *v = u ? factor_of(all, b, err) : NULL;
     bool good = v && put(sign < 0 ? ut_divide(u, v) : ut_multiply(u, v), out, room);
     if (v && !good)
         err_set(err, "'%.60s' and '%.60s' have no %s", a, b, sign < 0 ? "quotient" : "product");
-    if (!all) err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
     ut_free(u);
     ut_free(v);
-    ut_free_system(all);
     return good;
 }
 
 bool units_power(const char *unit, int power, char *out, size_t room, char err[ERR_BYTES])
 {
-    ut_set_error_message_handler(ut_ignore);
-    ut_system *all = ut_read_xml(NULL);
+    ut_system *all = units_of_library(err);
     ut_unit *u = all ? factor_of(all, unit, err) : NULL;
     bool good = u && put(power < 0 ? ut_root(u, -power) : ut_raise(u, power), out, room);
     if (u && !good)
         err_set(err, "'%.60s' has no %s of a unit", unit, power < 0 ? "square root" : "power");
-    if (!all) err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
     ut_free(u);
-    ut_free_system(all);
     return good;
 }
 
